@@ -1,0 +1,51 @@
+# Two commands: `make run` serves on http://127.0.0.1:8080, `make test` runs every check. Both need a Rust toolchain, Node.js and make.
+
+CARGO ?= cargo
+NPM ?= npm
+NPM_CI = $(NPM) ci --no-audit --no-fund --silent
+
+.PHONY: run viewer test format lint unit browser soak bench clean
+
+run: viewer
+	$(CARGO) run --release -- serve
+
+viewer: web/dist/index.html
+
+web/node_modules/.package-lock.json: web/package.json web/package-lock.json
+	$(NPM_CI) --prefix web
+	@touch $@
+
+web/dist/index.html: web/node_modules/.package-lock.json web/index.html web/vite.config.ts $(shell find web/src web/public -type f)
+	$(NPM) --prefix web run --silent build
+
+test: format lint unit browser
+
+format:
+	$(CARGO) fmt --check
+
+lint: viewer
+	$(CARGO) clippy --all-targets -- -D warnings
+	$(CARGO) check --lib --no-default-features
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --lib
+	$(NPM) --prefix web run --silent check
+
+# Unit, integration, contract and documentation tests.
+unit: viewer
+	$(CARGO) test
+	$(NPM) --prefix web test --silent
+
+# The viewer in a real browser against the real program.
+browser: viewer
+	$(CARGO) build --release
+	tests/browser/run
+
+# The long forms: hours of what `make test` does in seconds.
+soak:
+	TERRANE_KILLS=500 $(CARGO) test --release --test it -- program::a_killed_server
+
+bench: viewer
+	$(CARGO) bench
+
+clean:
+	$(CARGO) clean
+	rm -rf web/node_modules web/dist/assets web/dist/index.html tests/browser/node_modules tests/browser/out

@@ -1,0 +1,84 @@
+//! Nanoseconds a sample of noise and programmes, 512 × 512 samples on one thread, beside the point-by-point reference and two peers on the same kind of field:
+//! base wavelength 256 samples, 8 octaves, lacunarity 2, gain 0.5.
+#![expect(missing_docs, reason = "a benchmark is no interface, and says what is wrong by failing")]
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use fastnoise_lite::{CellularDistanceFunction, CellularReturnType, FastNoiseLite, FractalType, NoiseType};
+use noise::{MultiFractal, NoiseFn};
+use std::{hint::black_box, time::Duration};
+use terrane::{
+    geometry::{Filter, Grid, Samples, Tile, Window},
+    noise::{Basis, Field, FieldShape, Metric},
+    programme::{Frame, Programme, Tape},
+    tile::{TileRequest, Tileset, render},
+    world::{Document, EXAMPLES, World},
+};
+
+const SIDE: usize = 512;
+const WAVELENGTH: f64 = 256.0;
+
+fn points() -> impl Iterator<Item = (f64, f64)> {
+    (0..SIDE * SIDE).map(|i| ((i % SIDE) as f64 / WAVELENGTH + 3.1, (i / SIDE) as f64 / WAVELENGTH - 7.7))
+}
+
+fn ours(c: &mut Criterion, name: &str, text: &str, shape: FieldShape, basis: Basis) {
+    let mut group = c.benchmark_group(name);
+    group.throughput(Throughput::Elements((SIDE * SIDE) as u64));
+    let tape = Tape::compile(Programme::parse(text).unwrap().root());
+    let frame = Frame { seed: 7, scale: WAVELENGTH, origin: [0.0, 0.0] };
+    let window = Window::area([0.0, 0.0, SIDE as f64, SIDE as f64], 1.0, Filter::Exact, 1 << 20).unwrap();
+    let mut out = vec![0.0; SIDE * SIDE];
+    group.bench_function("terrane, blocks", |b| b.iter(|| tape.evaluate(&frame, &window, black_box(&mut out))));
+    let field = Field::exact(shape, basis, 7);
+    group.bench_function("terrane, reference", |b| b.iter(|| points().map(|(u, v)| field.at(u, v)).sum::<f32>()));
+    let mut lite = FastNoiseLite::with_seed(7);
+    lite.set_frequency(Some(1.0));
+    lite.set_noise_type(Some(if name == "cellular F1" { NoiseType::Cellular } else { NoiseType::Perlin }));
+    lite.set_cellular_distance_function(Some(CellularDistanceFunction::Euclidean));
+    lite.set_cellular_return_type(Some(CellularReturnType::Distance));
+    lite.set_fractal_type(match name {
+        "fbm 8" => Some(FractalType::FBm),
+        "ridged 8" => Some(FractalType::Ridged),
+        _ => None,
+    });
+    lite.set_fractal_octaves(Some(8));
+    group.bench_function("fastnoise-lite", |b| b.iter(|| points().map(|(u, v)| lite.get_noise_2d(u as f32, v as f32)).sum::<f32>()));
+    let noise: Box<dyn NoiseFn<f64, 2>> = match name {
+        "fbm 8" => Box::new(noise::Fbm::<noise::Perlin>::new(7).set_octaves(8).set_frequency(1.0)),
+        "ridged 8" => Box::new(noise::RidgedMulti::<noise::Perlin>::new(7).set_octaves(8).set_frequency(1.0)),
+        "cellular F1" => Box::new(noise::Worley::new(7).set_return_type(noise::core::worley::ReturnType::Distance)),
+        _ => Box::new(noise::Perlin::new(7)),
+    };
+    group.bench_function("noise", |b| b.iter(|| points().map(|(u, v)| noise.get([u, v])).sum::<f64>()));
+    group.finish();
+}
+
+fn fields(c: &mut Criterion) {
+    let (h, lacunarity, octaves) = (1.0, 2.0, 8.0);
+    ours(c, "perlin", "i_perlin", FieldShape::Single, Basis::IPerlin);
+    ours(c, "fbm 8", "fbm(1, 2, 8, basis=i_perlin)", FieldShape::Fbm { h, lacunarity, octaves }, Basis::IPerlin);
+    let ridged = FieldShape::Ridged { h, lacunarity, octaves, offset: 1.0, gain: 2.0 };
+    ours(c, "ridged 8", "ridged_multifractal(1, 2, 8, 1, 2, basis=i_perlin)", ridged, Basis::IPerlin);
+    ours(c, "cellular F1", "voronoi_f1", FieldShape::Single, Basis::Voronoi { order: 1, metric: Metric::Distance });
+}
+
+/// Milliseconds of a 256-pixel terrarium tile of every example world, evaluated and encoded.
+fn tiles(c: &mut Criterion) {
+    let mut group = c.benchmark_group("tile 256");
+    for example in EXAMPLES {
+        let world = World::new(Document::parse(example.json.as_bytes()).unwrap());
+        for tileset in [Tileset::Terrarium, Tileset::R32] {
+            let (tile, samples) = (Tile { z: 10, x: 515, y: 509 }, Samples::Centres(256));
+            let request = TileRequest { grid: Grid::Web, tile, samples, filter: Filter::Band, tileset };
+            group.bench_function(format!("{} {}", example.name, tileset.name()), |b| b.iter(|| render(&world, black_box(&request)).unwrap()));
+        }
+    }
+    group.finish();
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(20).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2));
+    targets = fields, tiles
+}
+criterion_main!(benches);

@@ -1,0 +1,108 @@
+//! Over loopback: milliseconds of a 256-pixel tile cold and warm, and requests a second for a cached tile beside a handler of the same route that returns the
+//! same bytes with the same headers and does nothing else. Rounds alternate, so that drift of the machine falls on both.
+#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "a benchmark is no interface: it says what is wrong by failing, and prints what it measured")]
+
+use axum::{Router, body::Bytes, http::header, response::IntoResponse, routing::get};
+use std::time::{Duration, Instant};
+use terrane::server::{App, Config, router};
+use tokio::{
+    io::{AsyncReadExt, AsyncWriteExt},
+    net::{TcpListener, TcpStream},
+};
+
+const CONNECTIONS: usize = 16;
+const ROUNDS: usize = 7;
+const ROUND: Duration = Duration::from_secs(2);
+const TILE: &str = "/worlds/alps/web/terrarium/10/515/509.png";
+
+async fn listen(service: Router) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    tokio::spawn(async { axum::serve(listener, service).await });
+    address
+}
+
+/// One request on a kept connection; the length of the answer's body.
+async fn ask(stream: &mut TcpStream, path: &str, buffer: &mut Vec<u8>) -> usize {
+    stream.write_all(format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n").as_bytes()).await.unwrap();
+    buffer.clear();
+    loop {
+        assert!(stream.read_buf(buffer).await.unwrap() > 0, "the server closed the connection");
+        let Some(end) = buffer.windows(4).position(|window| window == b"\r\n\r\n") else { continue };
+        let head = std::str::from_utf8(&buffer[..end]).unwrap();
+        assert!(head.starts_with("HTTP/1.1 200"), "{head}");
+        let length: usize = head.to_lowercase().split("content-length: ").nth(1).unwrap().lines().next().unwrap().parse().unwrap();
+        while buffer.len() < end + 4 + length {
+            stream.read_buf(buffer).await.unwrap();
+        }
+        return length;
+    }
+}
+
+/// Requests a second over a round.
+async fn load(address: &str) -> f64 {
+    let start = Instant::now();
+    let workers = (0..CONNECTIONS).map(|_| {
+        let address = address.to_owned();
+        tokio::spawn(async move {
+            let (mut stream, mut buffer, mut count) = (TcpStream::connect(address).await.unwrap(), Vec::new(), 0_u32);
+            stream.set_nodelay(true).unwrap();
+            while start.elapsed() < ROUND {
+                ask(&mut stream, TILE, &mut buffer).await;
+                count += 1;
+            }
+            count
+        })
+    });
+    let mut total = 0;
+    for worker in workers.collect::<Vec<_>>() {
+        total += worker.await.unwrap();
+    }
+    f64::from(total) / start.elapsed().as_secs_f64()
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+async fn latencies(address: &str) {
+    let (mut stream, mut buffer) = (TcpStream::connect(address).await.unwrap(), Vec::new());
+    stream.set_nodelay(true).unwrap();
+    for world in ["alps", "archipelago", "dunes", "eq2", "hills", "mesas"] {
+        let (mut cold, mut warm, mut bytes) = (Vec::new(), Vec::new(), 0);
+        for x in 500..530 {
+            let path = format!("/worlds/{world}/web/terrarium/10/{x}/509.png");
+            for times in [&mut cold, &mut warm] {
+                let start = Instant::now();
+                bytes = ask(&mut stream, &path, &mut buffer).await;
+                times.push(start.elapsed().as_secs_f64() * 1e3);
+            }
+        }
+        println!("256 tile of {world:12} cold {:6.2} ms, warm {:5.3} ms ({bytes} bytes)", median(&mut cold), median(&mut warm));
+    }
+}
+
+#[tokio::main]
+async fn main() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut config = Config::default();
+    config.server.data = folder.path().to_path_buf();
+    let server = listen(router(App::load(&config).await.unwrap())).await;
+    latencies(&server).await;
+
+    let (mut stream, mut tile) = (TcpStream::connect(&server).await.unwrap(), Vec::new());
+    let length = ask(&mut stream, TILE, &mut tile).await;
+    let body = Bytes::from(tile.split_off(tile.len() - length));
+    let headers = [(header::CONTENT_TYPE, "image/png"), (header::ETAG, "\"0123456789abcdef0123456789abcdef\""), (header::CACHE_CONTROL, "no-cache")];
+    let fixed = move || async move { (headers, body).into_response() };
+    let fixed = listen(Router::new().route("/worlds/{world}/{grid}/{tileset}/{z}/{x}/{y}", get(fixed))).await;
+
+    let (mut cached, mut plain) = (Vec::new(), Vec::new());
+    for _ in 0..ROUNDS {
+        cached.push(load(&server).await);
+        plain.push(load(&fixed).await);
+    }
+    let (cached, plain) = (median(&mut cached), median(&mut plain));
+    println!("cached tile of {length} bytes: {cached:.0} requests/s, the same bytes from a bare handler: {plain:.0} requests/s, ratio {:.2}", cached / plain);
+}

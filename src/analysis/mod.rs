@@ -1,0 +1,5 @@
+//! What a surface is like.
+
+mod slope;
+
+pub use slope::gradient;

@@ -1,0 +1,11 @@
+//! The plane and how it is sampled: windows, surfaces, grids and the trait every source of terrain implements.
+
+mod grid;
+mod mercator;
+mod surface;
+mod window;
+
+pub use grid::{Grid, GridError, MAX_SIDE, MAX_ZOOM, Samples, Tile};
+pub use mercator::{MAX_LATITUDE, from_lon_lat, to_lon_lat};
+pub use surface::{Source, Surface};
+pub use window::{Axis, Filter, PLANE_LIMIT, Window, WindowError};

@@ -1,0 +1,203 @@
+//! The command line: arguments, configuration, start.
+
+use anyhow::{Context, bail};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::{
+    fs::{self, File},
+    io::{BufWriter, Write},
+    net::SocketAddr,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+use terrane::{
+    geometry::{Filter, Window},
+    server::{self, Config},
+    store::Store,
+    tile::{Tileset, write_geotiff},
+    world::{Document, World},
+};
+use tracing_subscriber::EnvFilter;
+
+/// Most samples of a rendered window: 2^28.
+const RENDER_SAMPLES: u64 = 1 << 28;
+
+/// Streams endless, deterministic, generated terrain.
+#[derive(Parser)]
+#[command(version)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Serve worlds over HTTP
+    Serve(ServeArguments),
+    /// Check a world document and print it completed
+    Check {
+        /// The document; - for standard input
+        file: PathBuf,
+    },
+    /// Evaluate a window of a world into a file
+    Render(RenderArguments),
+}
+
+#[derive(Args)]
+struct ServeArguments {
+    /// Address and port [default: 127.0.0.1:8080]
+    #[arg(long, value_name = "ADDR:PORT")]
+    listen: Option<SocketAddr>,
+    /// Folder for worlds [default: ./data-store]
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+    /// Threads that evaluate tiles; 0 takes one a processor [default: 0]
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// URL that clients reach the server by, base path included
+    #[arg(long, value_name = "URL")]
+    public_url: Option<String>,
+    /// Configuration file
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+}
+
+#[derive(Args)]
+struct RenderArguments {
+    /// A world document, or the name of a stored world
+    world: String,
+    /// The area in metres: minx,miny,maxx,maxy
+    #[arg(long, value_parser = parse_bbox, allow_hyphen_values = true)]
+    bbox: [f64; 4],
+    /// Metres a pixel
+    #[arg(long)]
+    spacing: f64,
+    /// The file to write: .png, .tif or .r32
+    #[arg(short, long)]
+    output: PathBuf,
+    /// How a .png is drawn
+    #[arg(long, value_enum, default_value_t = Picture::Hillshade)]
+    tileset: Picture,
+    /// Which detail samples carry
+    #[arg(long, value_enum, default_value_t = Detail::Band)]
+    filter: Detail,
+    /// Folder of stored worlds [default: ./data-store]
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Picture {
+    Hillshade,
+    Terrarium,
+    TerrainRgb,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Detail {
+    Band,
+    Exact,
+}
+
+fn parse_bbox(text: &str) -> Result<[f64; 4], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    numbers.ok().and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| "four numbers are needed: minx,miny,maxx,maxy".to_owned())
+}
+
+fn main() -> ExitCode {
+    let filter = EnvFilter::try_from_env("TERRANE_LOG").unwrap_or_else(|_| EnvFilter::new("info"));
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+    let done = match Arguments::parse().command {
+        Command::Serve(arguments) => serve(arguments),
+        Command::Check { file } => check(&file),
+        Command::Render(arguments) => render(&arguments),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // Standard error may be closed; the exit code still says it.
+            let _ = writeln!(std::io::stderr(), "error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn config(file: Option<&Path>) -> anyhow::Result<Config> {
+    let text = match file {
+        Some(file) => fs::read_to_string(file).with_context(|| format!("reading {}", file.display()))?,
+        None => String::new(),
+    };
+    let environment = std::env::vars_os().filter_map(|(name, value)| Some((name.into_string().ok()?, value.into_string().ok()?)));
+    Ok(Config::load(&text, environment)?)
+}
+
+fn runtime() -> anyhow::Result<tokio::runtime::Runtime> {
+    tokio::runtime::Builder::new_multi_thread().enable_all().build().context("starting the runtime")
+}
+
+fn serve(arguments: ServeArguments) -> anyhow::Result<()> {
+    let mut config = config(arguments.config.as_deref())?;
+    config.server.listen = arguments.listen.unwrap_or(config.server.listen);
+    config.server.data = arguments.data.unwrap_or(config.server.data);
+    config.server.threads = arguments.threads.unwrap_or(config.server.threads);
+    config.server.public_url = arguments.public_url.unwrap_or(config.server.public_url);
+    config.check()?;
+    Ok(runtime()?.block_on(server::serve(&config))?)
+}
+
+fn check(file: &Path) -> anyhow::Result<()> {
+    let bytes = if file == Path::new("-") { std::io::read_to_string(std::io::stdin()).map(String::into_bytes) } else { fs::read(file) };
+    let document = parse(&bytes.with_context(|| format!("reading {}", file.display()))?, &file.display().to_string())?;
+    writeln!(std::io::stdout(), "{}", document.to_json()).context("writing")
+}
+
+fn parse(json: &[u8], name: &str) -> anyhow::Result<Document> {
+    Document::parse(json).map_err(|error| anyhow::anyhow!("{name}:\n  {}", error.to_string().replace('\n', "\n  ")))
+}
+
+/// The document of a file, or of a stored world.
+fn world(name: &str, data: Option<&Path>) -> anyhow::Result<World> {
+    if Path::new(name).is_file() {
+        let json = fs::read(name).with_context(|| format!("reading {name}"))?;
+        return Ok(World::new(parse(&json, name)?));
+    }
+    let folder = data.map_or_else(|| config(None).map(|config| config.server.data), |data| Ok(data.to_path_buf()))?;
+    if !folder.is_dir() {
+        bail!("there is no file {name}, and no folder {} of stored worlds", folder.display());
+    }
+    let worlds = runtime()?.block_on(async { Store::open(&folder).await?.worlds().await })?;
+    let names: Vec<_> = worlds.iter().map(|world| world.name.as_str()).collect();
+    let Some(stored) = worlds.iter().find(|world| world.name == name) else {
+        bail!("{name} is neither a file nor one of the worlds in {}: {}", folder.display(), names.join(", "));
+    };
+    Ok(World::new(parse(stored.body.as_bytes(), name)?))
+}
+
+fn render(arguments: &RenderArguments) -> anyhow::Result<()> {
+    let extension = arguments.output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    let tileset = match (extension, arguments.tileset) {
+        ("png", Picture::Hillshade) => Some(Tileset::Hillshade),
+        ("png", Picture::Terrarium) => Some(Tileset::Terrarium),
+        ("png", Picture::TerrainRgb) => Some(Tileset::TerrainRgb),
+        ("r32", Picture::Hillshade) => Some(Tileset::R32),
+        ("tif" | "tiff", Picture::Hillshade) => None,
+        ("r32" | "tif" | "tiff", _) => bail!("--tileset is for .png files: .{extension} holds the elevations themselves"),
+        _ => bail!("{} must end in .png, .tif or .r32", arguments.output.display()),
+    };
+    let filter = match arguments.filter {
+        Detail::Band => Filter::Band,
+        Detail::Exact => Filter::Exact,
+    };
+    let window = Window::area(arguments.bbox, arguments.spacing, filter, RENDER_SAMPLES)?;
+    let world = world(&arguments.world, arguments.data.as_deref())?;
+    let writing = || format!("writing {}", arguments.output.display());
+    if let Some(tileset) = tileset {
+        let surface = world.evaluate_parallel(&window.with_apron(tileset.apron()));
+        fs::write(&arguments.output, tileset.encode(&surface, window.spacing())?).with_context(writing)?;
+    } else {
+        let mut file = BufWriter::new(File::create(&arguments.output).with_context(writing)?);
+        write_geotiff(&world.evaluate_parallel(&window), &window, &mut file).with_context(writing)?;
+        file.flush().with_context(writing)?;
+    }
+    let mut out = std::io::stdout();
+    writeln!(out, "{}: {} × {} samples of {} m", arguments.output.display(), window.columns.len(), window.rows.len(), window.spacing()).context("writing")
+}

@@ -1,0 +1,192 @@
+//! Where samples lie in a noise lattice: cell, fraction and fade, found once a column and once a row.
+
+use super::hash;
+
+/// One octave's lattice: cells of side 1/frequency in programme units, its own corner hashes and its own phase.
+///
+/// The phase keeps the corners of different octaves apart: gradient noise is zero at its corners, and octaves that share them would all vanish in one regular pattern.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Lattice {
+    pub frequency: f64,
+    phase: [f64; 2],
+    pub seed: u32,
+}
+
+impl Lattice {
+    pub(super) fn new(key: u64, octave: u32, frequency: f64) -> Self {
+        let bits = hash::key(key, octave.into());
+        let phase = |bits: u64| (bits & 0xffff) as f64 / 65_536.0;
+        Self { frequency, phase: [phase(bits >> 32), phase(bits >> 48)], seed: bits as u32 }
+    }
+
+    /// Cell and position of programme coordinate `u` along the columns (`axis` 0) or `v` along the rows (`axis` 1).
+    #[inline]
+    pub(super) fn locate(&self, axis: usize, coordinate: f64) -> Position {
+        let at = coordinate * self.frequency + self.phase[axis];
+        // Cells beyond 2^62 cannot be told apart in f64 anyway; the clamp keeps their neighbours' numbers from overflowing.
+        let cell = at.floor().clamp(-4.611_686_018_427_388e18, 4.611_686_018_427_388e18);
+        Position { cell: cell as i64, fraction: (at - cell).clamp(0.0, 1.0) }
+    }
+}
+
+/// A place along one axis of a lattice.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Position {
+    pub cell: i64,
+    /// In [0, 1], exact to f64.
+    pub fraction: f64,
+}
+
+/// How a fraction of a cell becomes the weight of its far side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Fade {
+    /// t² (3 - 2 t), Perlin 1985.
+    Cubic,
+    /// t³ (t (6 t - 15) + 10), Perlin 2002.
+    Quintic,
+    /// For noise that does not blend.
+    None,
+}
+
+impl Fade {
+    /// In f64, rounded once by the caller.
+    #[inline]
+    pub(super) fn weight(self, t: f64) -> f64 {
+        match self {
+            Fade::Cubic => t * t * (3.0 - 2.0 * t),
+            Fade::Quintic => t * t * t * (t * (t * 6.0 - 15.0) + 10.0),
+            Fade::None => 0.0,
+        }
+    }
+}
+
+/// Consecutive columns in one cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Run {
+    pub start: usize,
+    pub end: usize,
+    /// Where the cell's own number stands among the nodes.
+    pub node: usize,
+}
+
+/// The columns of a window in one lattice.
+///
+/// Only the lattice columns that some sample touches are kept, so cells may be wider or much narrower than a sample.
+pub(super) struct Columns {
+    /// Keys of the lattice columns touched, from west to east. The cell of a run stands at `node`, the next cell at `node + 1`, and so on for the halo asked for.
+    pub keys: Vec<u32>,
+    pub runs: Vec<Run>,
+    pub fraction: Vec<f32>,
+    pub fade: Vec<f32>,
+}
+
+impl Columns {
+    /// Locates programme coordinates in ascending order; `before` and `after` say how many neighbours of a cell its noise needs.
+    pub(super) fn new(lattice: &Lattice, fade: Fade, coordinates: &[f64], before: i64, after: i64) -> Self {
+        let (mut keys, mut runs) = (Vec::new(), Vec::<Run>::new());
+        let (mut fractions, mut fades) = (Vec::with_capacity(coordinates.len()), Vec::with_capacity(coordinates.len()));
+        let (mut last_node, mut last_cell) = (i64::MIN, i64::MIN);
+        for (i, &coordinate) in coordinates.iter().enumerate() {
+            let Position { cell, fraction } = lattice.locate(0, coordinate);
+            fractions.push(fraction as f32);
+            fades.push(fade.weight(fraction) as f32);
+            if cell == last_cell {
+                runs.last_mut().expect("a cell was seen").end = i + 1;
+                continue;
+            }
+            last_cell = cell;
+            let from = (cell - before).max(last_node.saturating_add(1));
+            for node in from..=cell + after {
+                keys.push(hash::column_key(node));
+            }
+            last_node = cell + after;
+            runs.push(Run { start: i, end: i + 1, node: keys.len() - 1 - after as usize });
+        }
+        Self { keys, runs, fraction: fractions, fade: fades }
+    }
+
+    /// The runs that touch the columns `start … end`, cut to them.
+    pub(super) fn runs_within(&self, start: usize, end: usize) -> impl Iterator<Item = Run> + '_ {
+        let first = self.runs.partition_point(|run| run.end <= start);
+        self.runs[first..].iter().take_while(move |run| run.start < end).map(move |run| Run {
+            start: run.start.max(start),
+            end: run.end.min(end),
+            node: run.node,
+        })
+    }
+}
+
+/// What was computed for the last few lattice rows, so that the sample rows in one cell share it.
+pub(super) struct RowCache<T> {
+    entries: Vec<(Option<i64>, T)>,
+}
+
+impl<T> RowCache<T> {
+    pub(super) fn new(rows: usize, make: impl Fn() -> T) -> Self {
+        Self { entries: (0..rows).map(|_| (None, make())).collect() }
+    }
+
+    /// Makes the entries hold rows `first …`, one a slot, in order, computing only what is missing.
+    pub(super) fn want(&mut self, first: i64, mut compute: impl FnMut(i64, &mut T)) {
+        let wanted = first..first + self.entries.len() as i64;
+        for (slot, row) in wanted.clone().enumerate() {
+            if self.entries[slot].0 == Some(row) {
+                continue;
+            }
+            if let Some(other) = (slot + 1..self.entries.len()).find(|&other| self.entries[other].0 == Some(row)) {
+                self.entries.swap(slot, other);
+                continue;
+            }
+            // The slot's own row may still be wanted further down: move it there before it is overwritten.
+            while let Some(home) = self.entries[slot].0.filter(|row| wanted.contains(row)).map(|row| (row - first) as usize).filter(|&home| home > slot) {
+                self.entries.swap(slot, home);
+            }
+            compute(row, &mut self.entries[slot].1);
+            self.entries[slot].0 = Some(row);
+        }
+    }
+
+    pub(super) fn get(&self, slot: usize) -> &T {
+        &self.entries[slot].1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_hold_each_touched_cell_once() {
+        let lattice = Lattice { frequency: 1.0, phase: [0.0; 2], seed: 1 };
+        let columns = Columns::new(&lattice, Fade::None, &[0.25, 0.5, 1.5, 7.0, 7.9], 1, 1);
+        let expected: Vec<u32> = [-1, 0, 1, 2, 6, 7, 8].map(hash::column_key).to_vec();
+        assert_eq!(columns.keys, expected);
+        let runs: Vec<_> = columns.runs.iter().map(|run| (run.start, run.end, run.node)).collect();
+        assert_eq!(runs, [(0, 2, 1), (2, 3, 2), (3, 5, 5)]);
+        let cut: Vec<_> = columns.runs_within(1, 4).map(|run| (run.start, run.end)).collect();
+        assert_eq!(cut, [(1, 2), (2, 3), (3, 4)]);
+    }
+
+    #[test]
+    fn rows_are_computed_once_in_either_direction() {
+        let mut cache = RowCache::new(3, || 0);
+        let mut made = Vec::new();
+        for first in [5, 5, 4, 3, 4, 6, 20] {
+            cache.want(first, |row, entry| {
+                made.push(row);
+                *entry = row;
+            });
+            assert_eq!([0, 1, 2].map(|slot| *cache.get(slot)), [first, first + 1, first + 2]);
+        }
+        assert_eq!(made, [5, 6, 7, 4, 3, 6, 7, 8, 20, 21, 22]);
+    }
+
+    #[test]
+    fn far_cells_have_fractions_too() {
+        let lattice = Lattice { frequency: 1.0, phase: [0.0; 2], seed: 1 };
+        for coordinate in [-0.25, 1e30, -1e30, f64::MAX] {
+            let position = lattice.locate(0, coordinate);
+            assert!((0.0..=1.0).contains(&position.fraction), "{coordinate}: {position:?}");
+        }
+    }
+}

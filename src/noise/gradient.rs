@@ -1,0 +1,157 @@
+//! Gradient noise: the two noises of K. Perlin, "An image synthesizer" (1985) and "Improving noise" (2002), on the plane (third coordinate 0).
+//!
+//! A corner's gradient (gx, gy) contributes gx·dx + gy·dy. Along a row of samples, dy and the row's fade v are the same everywhere, so the two corners on the
+//! left of a cell blend into a line A + B·fx and the two on the right into A' + B'·(fx - 1) = (A' - B') + B'·fx. A sample then mixes its two lines by the
+//! column's fade. These lines are the definition: the form for a single point computes just the same.
+
+use super::{
+    cells::{Columns, Fade, Lattice, RowCache},
+    hash,
+};
+
+/// Which gradients the corners choose from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Gradients {
+    /// 16 unit vectors at odd multiples of 11.25°.
+    Unit,
+    /// The 12 edge directions of a cube seen from above: the diagonals once, the axes twice.
+    Edges,
+}
+
+/// Cosine and sine of 11.25° and 33.75°.
+const UNIT: [f32; 4] = [0.980_785_25, 0.195_090_32, 0.831_469_6, 0.555_570_24];
+
+const UNIT_GRADIENTS: [[f32; 2]; 16] = {
+    let [c1, s1, c3, s3] = UNIT;
+    [
+        [c1, s1],
+        [c3, s3],
+        [s3, c3],
+        [s1, c1],
+        [-s1, c1],
+        [-s3, c3],
+        [-c3, s3],
+        [-c1, s1],
+        [-c1, -s1],
+        [-c3, -s3],
+        [-s3, -c3],
+        [-s1, -c1],
+        [s1, -c1],
+        [s3, -c3],
+        [c3, -s3],
+        [c1, -s1],
+    ]
+};
+
+const EDGE_GRADIENTS: [[f32; 2]; 12] =
+    [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [1.0, 0.0], [-1.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [0.0, 1.0], [0.0, -1.0]];
+
+impl Gradients {
+    #[inline]
+    fn of(self, hash: u32) -> [f32; 2] {
+        match self {
+            Gradients::Unit => UNIT_GRADIENTS[(hash >> 28) as usize],
+            Gradients::Edges => EDGE_GRADIENTS[(((hash >> 16) * 12) >> 16) as usize],
+        }
+    }
+
+    /// What brings the greatest value to 1: four gradients pointing at a cell's centre give 1/√2 and 1.
+    fn scale(self) -> f32 {
+        match self {
+            Gradients::Unit => core::f32::consts::SQRT_2,
+            Gradients::Edges => 1.0,
+        }
+    }
+
+    pub(super) fn fade(self) -> Fade {
+        match self {
+            Gradients::Unit => Fade::Cubic,
+            Gradients::Edges => Fade::Quintic,
+        }
+    }
+}
+
+/// A sample row's place in its lattice row.
+#[derive(Clone, Copy)]
+struct Across {
+    fraction: f32,
+    fade: f32,
+    scale: f32,
+}
+
+impl Across {
+    /// A and B of one lattice column, from its gradients below (south) and above (north) the sample row.
+    #[inline]
+    fn line(self, south: [f32; 2], north: [f32; 2]) -> [f32; 2] {
+        let below = south[1] * self.fraction;
+        let above = north[1] * (self.fraction - 1.0);
+        let a = self.scale * (below + self.fade * (above - below));
+        let b = self.scale * (south[0] + self.fade * (north[0] - south[0]));
+        [a, b]
+    }
+}
+
+/// The value between the line of the lattice column on the left and that on the right.
+#[inline]
+fn between(left: [f32; 2], right: [f32; 2], fraction: f32, fade: f32) -> f32 {
+    let l = left[0] + left[1] * fraction;
+    let r = (right[0] - right[1]) + right[1] * fraction;
+    l + fade * (r - l)
+}
+
+/// The noise at a point, times `amplitude`.
+pub(super) fn at(gradients: Gradients, lattice: &Lattice, amplitude: f32, u: f64, v: f64) -> f32 {
+    let (column, row) = (lattice.locate(0, u), lattice.locate(1, v));
+    let fade = gradients.fade();
+    let across = Across { fraction: row.fraction as f32, fade: fade.weight(row.fraction) as f32, scale: gradients.scale() * amplitude };
+    let gradient = |i: i64, j: i64| gradients.of(hash::corner(hash::column_key(i), hash::row_key(j, lattice.seed)));
+    let line = |i: i64| across.line(gradient(i, row.cell), gradient(i, row.cell + 1));
+    between(line(column.cell), line(column.cell + 1), column.fraction as f32, fade.weight(column.fraction) as f32)
+}
+
+/// The noise along the rows of a window.
+pub(super) struct GradientRows {
+    gradients: Gradients,
+    lattice: Lattice,
+    amplitude: f32,
+    columns: Columns,
+    corners: RowCache<Vec<[f32; 2]>>,
+    /// A and B of every lattice column of the present row.
+    lines: Vec<[f32; 2]>,
+}
+
+impl GradientRows {
+    pub(super) fn new(gradients: Gradients, lattice: Lattice, amplitude: f32, coordinates: &[f64]) -> Self {
+        let columns = Columns::new(&lattice, gradients.fade(), coordinates, 0, 1);
+        let nodes = columns.keys.len();
+        Self { gradients, lattice, amplitude, columns, corners: RowCache::new(2, || vec![[0.0; 2]; nodes]), lines: vec![[0.0; 2]; nodes] }
+    }
+
+    /// Goes to the row of programme coordinate `v`.
+    pub(super) fn begin(&mut self, v: f64) {
+        let position = self.lattice.locate(1, v);
+        let Self { gradients, columns, lattice, .. } = self;
+        self.corners.want(position.cell, |row, corners| {
+            let row = hash::row_key(row, lattice.seed);
+            for (corner, &column) in corners.iter_mut().zip(&columns.keys) {
+                *corner = gradients.of(hash::corner(column, row));
+            }
+        });
+        let across =
+            Across { fraction: position.fraction as f32, fade: gradients.fade().weight(position.fraction) as f32, scale: gradients.scale() * self.amplitude };
+        for (line, (&south, &north)) in self.lines.iter_mut().zip(self.corners.get(0).iter().zip(self.corners.get(1))) {
+            *line = across.line(south, north);
+        }
+    }
+
+    /// Writes the noise at the columns from `start` on.
+    pub(super) fn fill(&self, start: usize, out: &mut [f32]) {
+        for run in self.columns.runs_within(start, start + out.len()) {
+            let (left, right) = (self.lines[run.node], self.lines[run.node + 1]);
+            let samples = self.columns.fraction[run.start..run.end].iter().zip(&self.columns.fade[run.start..run.end]);
+            for (out, (&fraction, &fade)) in out[run.start - start..run.end - start].iter_mut().zip(samples) {
+                *out = between(left, right, fraction, fade);
+            }
+        }
+    }
+}

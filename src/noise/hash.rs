@@ -1,0 +1,79 @@
+//! Integer hashes: from the seed of a world to the numbers at a lattice corner.
+
+/// Mixes 64 bits so that every input bit changes every output bit with probability near one half (the finaliser of `SplitMix64`, variant 13 of D. Stafford).
+#[must_use]
+pub fn mix(value: u64) -> u64 {
+    let z = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// The key of something numbered `number` inside something of key `parent`.
+#[must_use]
+pub fn key(parent: u64, number: u64) -> u64 {
+    mix(parent ^ mix(number))
+}
+
+/// A column's share of a corner's hash.
+#[inline]
+pub(super) fn column_key(i: i64) -> u32 {
+    (i as u32).wrapping_mul(0x9e37_79b1) ^ ((i >> 32) as u32).wrapping_mul(0x27d4_eb2f)
+}
+
+/// A row's share of a corner's hash, the lattice's seed included.
+#[inline]
+pub(super) fn row_key(j: i64, seed: u32) -> u32 {
+    (j as u32).wrapping_mul(0x85eb_ca77) ^ ((j >> 32) as u32).wrapping_mul(0xc2b2_ae3d) ^ seed
+}
+
+/// The 32 random bits of a lattice corner.
+///
+/// Two rounds of xor-shift and multiply (constants of C. Wellons' prospector search, 2018).
+#[inline]
+pub(super) fn corner(column: u32, row: u32) -> u32 {
+    let h = column ^ row;
+    let h = (h ^ (h >> 16)).wrapping_mul(0x21f0_aaad);
+    let h = (h ^ (h >> 15)).wrapping_mul(0xd35a_2d97);
+    h ^ (h >> 15)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every bit of a corner's hash is set for half the corners and tells nothing of the neighbours' bits.
+    #[test]
+    fn corners_have_fair_and_independent_bits() {
+        for (x0, y0) in [(-300_i64, -300_i64), (1 << 40, -(1 << 41)), (i64::from(i32::MAX) - 150, 0)] {
+            let n = 600_i64;
+            let hash = |i: i64, j: i64| corner(column_key(x0 + i), row_key(y0 + j, 0xdead_beef));
+            let (mut ones, mut right, mut down, mut diagonal) = ([0_u32; 32], [0_u32; 32], [0_u32; 32], [0_u32; 32]);
+            for j in 0..n {
+                for i in 0..n {
+                    let h = hash(i, j);
+                    let neighbours = [hash(i + 1, j), hash(i, j + 1), hash(i + 1, j + 1)];
+                    for bit in 0..32 {
+                        let b = |h: u32| (h >> bit) & 1;
+                        ones[bit] += b(h);
+                        right[bit] += b(h) ^ b(neighbours[0]);
+                        down[bit] += b(h) ^ b(neighbours[1]);
+                        diagonal[bit] += b(h) ^ b(neighbours[2]);
+                    }
+                }
+            }
+            // Five standard deviations of a fair coin thrown 360,000 times are 1,500.
+            for counts in [ones, right, down, diagonal] {
+                for (bit, &count) in counts.iter().enumerate() {
+                    assert!((i64::from(count) - n * n / 2).abs() < 1_500, "bit {bit}: {count} of {} at {x0} {y0}", n * n);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn keys_of_a_lattice_beyond_32_bits_differ() {
+        assert_ne!(column_key(5), column_key(5 + (1 << 32)));
+        assert_ne!(row_key(5, 0), row_key(5 + (1 << 32), 0));
+    }
+}

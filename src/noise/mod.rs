@@ -1,0 +1,19 @@
+//! Lattice noise and elementary functions, each with one plain definition and a fast form over rows of samples that gives the same bits.
+//!
+//! A [`Field`] is one noise or fractal: [`Field::at`] is its meaning at a point, [`Rows`] evaluates it along the rows of a window. Every arithmetic step is a
+//! single IEEE operation (no fused multiply-add, no platform libm), so both agree with each other and with every other machine.
+
+mod basis;
+mod cells;
+mod cellular;
+pub mod elementary;
+mod field;
+mod gradient;
+mod hash;
+mod moments;
+
+pub use basis::Basis;
+pub use cellular::Metric;
+pub use field::{Field, FieldShape, Rows};
+pub use hash::{key, mix};
+pub use moments::Moments;

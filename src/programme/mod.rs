@@ -1,0 +1,110 @@
+//! Terrain programmes: expressions over the plane (Frade, Fernández de Vega, Cotta, "Adding zoom feature to terrain programmes", 2009).
+//!
+//! A [`Programme`] is parsed from text or JSON and compiled to a [`Tape`], which evaluates windows block by block. [`reference::evaluate`] is the plain
+//! meaning of a programme at a point; both agree to the bit.
+//!
+//! ```
+//! use terrane::programme::Programme;
+//! let programme = Programme::parse("plus(fbm(1.0, 1.97, 2, basis=o_perlin), multiply(0.3, x))")?;
+//! assert_eq!(programme.to_string(), "plus(fbm(1, 1.97, 2), multiply(0.3, x))");
+//! let wrong = Programme::parse("plus(x, fmb(1, 2, 8))").unwrap_err();
+//! assert_eq!(wrong.to_string(), "at /args/1: unknown function \"fmb\" (did you mean \"fbm\"?)");
+//! # Ok::<(), terrane::programme::ParseError>(())
+//! ```
+
+mod cost;
+mod error;
+mod evaluate;
+mod json;
+mod node;
+mod operation;
+mod print;
+pub mod reference;
+mod resolve;
+mod syntax;
+mod tape;
+mod text;
+
+pub use cost::{COST_LIMIT_NS, cost_ns};
+pub use error::ParseError;
+pub use node::{Node, Value};
+pub use operation::{Binary, Operation, Parameter, Signature, Unary};
+pub use tape::Tape;
+
+use std::fmt;
+
+/// Most nodes of a programme.
+pub const MAX_NODES: usize = 4_096;
+
+/// Most nodes on a way from the root to a leaf.
+pub const MAX_DEPTH: usize = 256;
+
+/// How programme coordinates lie in the plane: `u = (x - origin[0]) / scale`, `v = (y - origin[1]) / scale`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Hashed into every noise lattice.
+    pub seed: u64,
+    /// Metres per programme unit.
+    pub scale: f64,
+    /// Plane metres of the programme's origin.
+    pub origin: [f64; 2],
+}
+
+/// A terrain programme as it was written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Programme {
+    root: Node,
+    text: Option<String>,
+}
+
+impl Programme {
+    /// Reads programme text.
+    ///
+    /// # Errors
+    /// If the text is not a programme or breaks a limit; the error names the place.
+    pub fn parse(text: &str) -> Result<Self, ParseError> {
+        let root = resolve::resolve(&text::parse(text)?)?;
+        cost::check(&root)?;
+        Ok(Self { root, text: Some(text.to_owned()) })
+    }
+
+    /// Reads a programme in JSON: a tree, or a string that holds programme text.
+    ///
+    /// # Errors
+    /// If the JSON is malformed, is not a programme or breaks a limit; the error names the place.
+    pub fn parse_json(json: &str) -> Result<Self, ParseError> {
+        match json::parse(json)? {
+            json::Document::Text(text) => Self::parse(&text),
+            json::Document::Tree(tree) => {
+                let root = resolve::resolve(&tree)?;
+                cost::check(&root)?;
+                Ok(Self { root, text: None })
+            }
+        }
+    }
+
+    /// The expression.
+    #[must_use]
+    pub fn root(&self) -> &Node {
+        &self.root
+    }
+
+    /// The text as it was written, `None` if the programme came as a JSON tree.
+    #[must_use]
+    pub fn text(&self) -> Option<&str> {
+        self.text.as_deref()
+    }
+
+    /// The canonical JSON tree.
+    #[must_use]
+    pub fn to_json(&self) -> serde_json::Value {
+        json::to_value(&self.root)
+    }
+}
+
+/// Writes the canonical text.
+impl fmt::Display for Programme {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.root.fmt(f)
+    }
+}

@@ -1,0 +1,5 @@
+//! Questions about a world's ground.
+
+mod elevation;
+
+pub use elevation::{PointElevation, elevation};

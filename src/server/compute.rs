@@ -1,0 +1,48 @@
+//! The threads that evaluate terrain, apart from those that answer requests.
+
+use std::{
+    any::Any,
+    panic::{AssertUnwindSafe, catch_unwind},
+};
+use tokio::sync::oneshot;
+
+/// A task panicked; it was logged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("an evaluation panicked")]
+pub(super) struct Panicked;
+
+/// A pool of threads for evaluation.
+pub(super) struct Compute(rayon::ThreadPool);
+
+impl Compute {
+    /// Starts `threads` threads; 0 for one a processor.
+    pub(super) fn new(threads: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("compute-{i}")).build().map(Self)
+    }
+
+    /// Runs a task on the pool; `done` gets its result there, whether or not somebody still waits.
+    pub(super) fn spawn<T: 'static>(&self, task: impl FnOnce() -> T + Send + 'static, done: impl FnOnce(Result<T, Panicked>) + Send + 'static) {
+        self.0.spawn(move || {
+            done(catch_unwind(AssertUnwindSafe(task)).map_err(|payload| {
+                let message = panic_message(&*payload);
+                tracing::error!(message, "an evaluation panicked");
+                Panicked
+            }));
+        });
+    }
+
+    /// Runs a task on the pool and waits for its result.
+    pub(super) async fn run<T: Send + 'static>(&self, task: impl FnOnce() -> T + Send + 'static) -> Result<T, Panicked> {
+        let (sender, receiver) = oneshot::channel();
+        self.spawn(task, move |result| {
+            // Nobody may be waiting any more.
+            let _ = sender.send(result);
+        });
+        receiver.await.unwrap_or(Err(Panicked))
+    }
+}
+
+/// What a panic said, if it was text.
+pub(super) fn panic_message(payload: &(dyn Any + Send)) -> &str {
+    payload.downcast_ref::<&str>().copied().or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message")
+}

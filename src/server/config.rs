@@ -1,0 +1,205 @@
+//! Configuration: defaults, then a TOML file, then environment variables, then flags.
+
+use serde::{Deserialize, Serialize};
+use std::{net::SocketAddr, path::PathBuf};
+
+/// Prefix of environment variables: `TERRANE_SERVER__LISTEN` is `listen` in `[server]`.
+const PREFIX: &str = "TERRANE_";
+
+/// Variables with the prefix that are not configuration.
+const OTHERS: [&str; 3] = ["TERRANE_BIN", "TERRANE_LOG", "TERRANE_SKIP_BROWSER"];
+
+/// All configuration of `terrane serve`.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// Where to listen and where to keep data.
+    pub server: ServerConfig,
+    /// What is kept in memory.
+    pub cache: CacheConfig,
+    /// What one request may ask for.
+    pub limits: LimitsConfig,
+}
+
+/// Where to listen and where to keep data.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ServerConfig {
+    /// Address and port; port 0 takes a free one.
+    pub listen: SocketAddr,
+    /// The folder for worlds.
+    pub data: PathBuf,
+    /// Threads that evaluate tiles, 0 … 1024; 0 takes one a processor.
+    pub threads: usize,
+    /// The URL that clients reach the server by, base path included; empty: from each request's Host header.
+    pub public_url: String,
+    /// Seconds that requests under way get to finish after SIGTERM, 0 … 3600.
+    pub drain_seconds: u64,
+}
+
+/// What is kept in memory.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CacheConfig {
+    /// Bytes of encoded tiles.
+    pub tile_bytes: u64,
+    /// Old revisions kept compiled, 1 … 100000.
+    pub old_revisions: usize,
+}
+
+/// What one request may ask for.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LimitsConfig {
+    /// Bytes of a world document, 1 … 16777216.
+    pub world_bytes: usize,
+    /// Tiles waiting for evaluation before new ones are refused with 503, 1 … 1000000.
+    pub pending_tiles: usize,
+}
+
+impl Default for ServerConfig {
+    fn default() -> Self {
+        let listen = SocketAddr::from(([127, 0, 0, 1], 8080));
+        Self { listen, data: "./data-store".into(), threads: 0, public_url: String::new(), drain_seconds: 10 }
+    }
+}
+
+impl Default for CacheConfig {
+    fn default() -> Self {
+        Self { tile_bytes: 268_435_456, old_revisions: 256 }
+    }
+}
+
+impl Default for LimitsConfig {
+    fn default() -> Self {
+        Self { world_bytes: 1_048_576, pending_tiles: 512 }
+    }
+}
+
+/// Why a configuration cannot be used; every problem found.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("configuration:\n  {}", .0.join("\n  "))]
+pub struct ConfigError(pub Vec<String>);
+
+impl Config {
+    /// Reads configuration from TOML text (a file's, or none) and environment variables.
+    ///
+    /// # Errors
+    /// If the text is not TOML, a key is unknown, or a value is of the wrong type or out of range.
+    pub fn load(toml: &str, environment: impl Iterator<Item = (String, String)>) -> Result<Self, ConfigError> {
+        let mut table: toml::Table = toml.parse().map_err(|error: toml::de::Error| ConfigError(vec![error.to_string().trim_end().to_owned()]))?;
+        let mut problems = Vec::new();
+        for (name, value) in environment {
+            if let Some(path) = name.strip_prefix(PREFIX).filter(|_| !OTHERS.contains(&name.as_str()))
+                && let Err(problem) = overlay(&mut table, &name, path, &value)
+            {
+                problems.push(problem);
+            }
+        }
+        match serde_path_to_error::deserialize::<_, Config>(table) {
+            Ok(config) => {
+                problems.extend(config.problems());
+                if problems.is_empty() { Ok(config) } else { Err(ConfigError(problems)) }
+            }
+            Err(error) => {
+                problems.push(format!("{}: {}", error.path(), error.inner().message()));
+                Err(ConfigError(problems))
+            }
+        }
+    }
+
+    /// Checks every value's range.
+    ///
+    /// # Errors
+    /// If a value is out of range.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        let problems = self.problems();
+        if problems.is_empty() { Ok(()) } else { Err(ConfigError(problems)) }
+    }
+
+    fn problems(&self) -> Vec<String> {
+        let mut problems = Vec::new();
+        let mut range = |key: &str, value: u64, min: u64, max: u64| {
+            if !(min..=max).contains(&value) {
+                problems.push(format!("{key}: must be {min} … {max}, got {value}"));
+            }
+        };
+        range("server.threads", self.server.threads as u64, 0, 1024);
+        range("server.drain_seconds", self.server.drain_seconds, 0, 3600);
+        range("cache.old_revisions", self.cache.old_revisions as u64, 1, 100_000);
+        range("limits.world_bytes", self.limits.world_bytes as u64, 1, 16_777_216);
+        range("limits.pending_tiles", self.limits.pending_tiles as u64, 1, 1_000_000);
+        let url = &self.server.public_url;
+        if !(url.is_empty() || url.parse::<axum::http::Uri>().is_ok_and(|uri| uri.host().is_some() && matches!(uri.scheme_str(), Some("http" | "https")))) {
+            problems.push(format!("server.public_url: must be an http or https URL, got {url:?}"));
+        }
+        problems
+    }
+}
+
+/// Puts an environment variable's value into the table.
+fn overlay(table: &mut toml::Table, name: &str, path: &str, value: &str) -> Result<(), String> {
+    let path = path.to_lowercase();
+    let known = toml::Table::try_from(Config::default()).unwrap_or_default();
+    let Some((section, key)) = path.split_once("__") else {
+        return Err(format!("{name}: no such variable; sections and keys are joined as in TERRANE_SERVER__LISTEN"));
+    };
+    let Some(default) = known.get(section).and_then(|section| section.get(key)) else { return Err(format!("{name}: there is no key {key} in [{section}]")) };
+    let parsed = match default {
+        toml::Value::Integer(_) => {
+            value.parse().map(toml::Value::Integer).map_err(|error| format!("{name}: must be a whole number, got {value:?} ({error})"))?
+        }
+        _ => toml::Value::String(value.to_owned()),
+    };
+    let section = table.entry(section).or_insert_with(|| toml::Value::Table(toml::Table::new()));
+    if let toml::Value::Table(section) = section {
+        section.insert(key.to_owned(), parsed);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(toml: &str, environment: &[(&str, &str)], expected: &str) {
+        let environment = environment.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned()));
+        let got =
+            Config::load(toml, environment).map_or_else(|error| error.to_string(), |config| format!("{} {}", config.server.listen, config.cache.tile_bytes));
+        assert_eq!(got, expected);
+    }
+
+    #[test]
+    fn the_file_in_the_repository_holds_the_defaults() {
+        let shipped = include_str!("../../config/terrane.toml");
+        assert_eq!(Config::load(shipped, std::iter::empty()).expect("valid"), Config::default());
+        let named: toml::Table = shipped.parse().expect("TOML");
+        assert_eq!(named, toml::Table::try_from(Config::default()).expect("a table"), "every key stands in the file");
+    }
+
+    #[test]
+    fn the_environment_comes_over_the_file() {
+        check("", &[("HOME", "/"), ("TERRANE_LOG", "debug")], "127.0.0.1:8080 268435456");
+        check("[server]\nlisten = \"127.0.0.1:1\"", &[("TERRANE_SERVER__LISTEN", "0.0.0.0:99"), ("TERRANE_CACHE__TILE_BYTES", "5")], "0.0.0.0:99 5");
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        check(
+            "[server]\nlistn = 1",
+            &[],
+            "configuration:\n  server.listn: unknown field `listn`, expected one of `listen`, `data`, `threads`, `public_url`, `drain_seconds`",
+        );
+        check(
+            "[server]\nthreads = 5000\npublic_url = \"ftp://x\"\n[limits]\nworld_bytes = 0",
+            &[("TERRANE_SERVER__PORT", "1")],
+            "configuration:\n  TERRANE_SERVER__PORT: there is no key port in [server]\n  server.threads: must be 0 … 1024, got 5000\n  limits.world_bytes: must be 1 … 16777216, got 0\n  server.public_url: must be an http or https URL, got \"ftp://x\"",
+        );
+        check(
+            "",
+            &[("TERRANE_LISTEN", "1"), ("TERRANE_CACHE__TILE_BYTES", "many")],
+            "configuration:\n  TERRANE_LISTEN: no such variable; sections and keys are joined as in TERRANE_SERVER__LISTEN\n  TERRANE_CACHE__TILE_BYTES: must be a whole number, got \"many\" (invalid digit found in string)",
+        );
+        assert!(Config::load("[server", std::iter::empty()).is_err());
+    }
+}

@@ -1,0 +1,156 @@
+//! Errors by who caused them, and their form on the wire: `application/problem+json` (RFC 9457).
+
+use super::{compute::Panicked, schema, tiles::TileFailure, worlds::LoadError};
+use crate::{
+    store::StoreError,
+    world::{DocumentError, Problem},
+};
+use axum::{
+    Json,
+    http::{HeaderValue, StatusCode, header},
+    response::{IntoResponse, Response},
+};
+
+/// What one wrong part of a request is.
+pub(super) type Entry = schema::ProblemEntry;
+
+/// Why a request is not answered as asked.
+#[derive(Debug)]
+pub(super) enum ApiError {
+    /// The request is malformed; each entry names a parameter.
+    BadRequest(String, Vec<Entry>),
+    /// There is no such thing; entries say which part of the address is wrong.
+    NotFound(String, Vec<Entry>),
+    /// The method is not one of the resource's.
+    MethodNotAllowed,
+    /// The name is taken.
+    Conflict(String),
+    /// A condition of the request does not hold.
+    PreconditionFailed(String),
+    /// The body is larger than allowed.
+    TooLarge(usize),
+    /// The document was understood and is wrong.
+    Invalid(Vec<Entry>),
+    /// A web page of another origin tries to write.
+    CrossSite,
+    /// The server listens where strangers reach it, and cannot tell who may write.
+    ReadOnly,
+    /// More work waits than the server takes.
+    Overloaded,
+    /// The server failed.
+    Internal,
+}
+
+impl ApiError {
+    /// A wrong query or path parameter.
+    pub(super) fn parameter(name: &str, detail: impl Into<String>) -> Self {
+        ApiError::BadRequest("A parameter is wrong.".to_owned(), vec![Entry::parameter(name, detail)])
+    }
+
+    /// A part of the path that names nothing.
+    pub(super) fn absent(name: &str, detail: impl Into<String>) -> Self {
+        let detail = detail.into();
+        ApiError::NotFound(detail.clone(), vec![Entry::parameter(name, detail)])
+    }
+
+    /// A failure that is logged here, once, and not told.
+    pub(super) fn internal(what: &str, error: &dyn std::fmt::Display) -> Self {
+        tracing::error!(%error, "{what}");
+        ApiError::Internal
+    }
+
+    fn parts(self) -> (StatusCode, &'static str, String, Vec<Entry>) {
+        match self {
+            ApiError::BadRequest(detail, errors) => (StatusCode::BAD_REQUEST, "bad-request", detail, errors),
+            ApiError::NotFound(detail, errors) => (StatusCode::NOT_FOUND, "not-found", detail, errors),
+            ApiError::MethodNotAllowed => {
+                let detail = "This resource does not have that method; the Allow header lists those it has.";
+                (StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", detail.to_owned(), Vec::new())
+            }
+            ApiError::Conflict(detail) => (StatusCode::CONFLICT, "conflict", detail, Vec::new()),
+            ApiError::PreconditionFailed(detail) => (StatusCode::PRECONDITION_FAILED, "precondition-failed", detail, Vec::new()),
+            ApiError::TooLarge(limit) => (StatusCode::PAYLOAD_TOO_LARGE, "too-large", format!("The body must be at most {limit} bytes."), Vec::new()),
+            ApiError::Invalid(errors) => {
+                let detail = format!("The world document has {} problem{}.", errors.len(), if errors.len() == 1 { "" } else { "s" });
+                (StatusCode::UNPROCESSABLE_ENTITY, "invalid-world", detail, errors)
+            }
+            ApiError::CrossSite => {
+                let detail = "Web pages of other sites may read but not write.";
+                (StatusCode::FORBIDDEN, "cross-site", detail.to_owned(), Vec::new())
+            }
+            ApiError::ReadOnly => {
+                let detail = "This server listens on an address that other machines reach, so it only reads: this version has no keys to tell who may write.";
+                (StatusCode::FORBIDDEN, "read-only", detail.to_owned(), Vec::new())
+            }
+            ApiError::Overloaded => (StatusCode::SERVICE_UNAVAILABLE, "overloaded", "Too many tiles are waiting; try again shortly.".to_owned(), Vec::new()),
+            ApiError::Internal => (StatusCode::INTERNAL_SERVER_ERROR, "internal", "The server failed; its log says why.".to_owned(), Vec::new()),
+        }
+    }
+}
+
+impl IntoResponse for ApiError {
+    fn into_response(self) -> Response {
+        let (status, kind, detail, errors) = self.parts();
+        let title = status.canonical_reason().unwrap_or("Error").to_owned();
+        let body = schema::ProblemDetails { kind: format!("urn:terrane:{kind}"), title, status: status.as_u16(), detail, errors };
+        let mut response = (status, Json(body)).into_response();
+        let headers = response.headers_mut();
+        headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
+        headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+        if status == StatusCode::SERVICE_UNAVAILABLE {
+            headers.insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
+        }
+        response
+    }
+}
+
+impl From<Problem> for Entry {
+    fn from(problem: Problem) -> Self {
+        let Problem { pointer, detail, at, start, end } = problem;
+        Self { pointer: Some(pointer), parameter: None, detail, at, start, end }
+    }
+}
+
+impl From<DocumentError> for ApiError {
+    fn from(error: DocumentError) -> Self {
+        match error {
+            DocumentError::Syntax(detail) => ApiError::BadRequest(format!("The body is not JSON: {detail}."), Vec::new()),
+            DocumentError::Invalid(problems) => ApiError::Invalid(problems.into_iter().map(Entry::from).collect()),
+        }
+    }
+}
+
+impl From<StoreError> for ApiError {
+    fn from(error: StoreError) -> Self {
+        match error {
+            StoreError::UnknownWorld(_) => ApiError::absent("world", error.to_string()),
+            StoreError::Condition(_) => ApiError::PreconditionFailed(error.to_string()),
+            StoreError::Folder { .. } | StoreError::Newer { .. } | StoreError::Database(_) => ApiError::internal("the store failed", &error),
+        }
+    }
+}
+
+impl From<TileFailure> for ApiError {
+    fn from(failure: TileFailure) -> Self {
+        match failure {
+            TileFailure::Overloaded => ApiError::Overloaded,
+            TileFailure::Failed => ApiError::Internal,
+        }
+    }
+}
+
+impl From<LoadError> for ApiError {
+    fn from(error: LoadError) -> Self {
+        match error {
+            LoadError::Store(error) => error.into(),
+            LoadError::Document { .. } => ApiError::internal("a stored world cannot be read", &error),
+            LoadError::Panicked(Panicked) => ApiError::Internal,
+        }
+    }
+}
+
+impl From<Panicked> for ApiError {
+    fn from(_: Panicked) -> Self {
+        ApiError::Internal
+    }
+}

@@ -1,0 +1,254 @@
+//! Requests as types: handlers never see raw text.
+
+use super::{error::ApiError, state::App, worlds::Live};
+use crate::{
+    geometry::{Filter, Grid, MAX_SIDE, MAX_ZOOM, Samples, Tile},
+    store::Condition,
+    tile::{TileRequest, Tileset},
+    world::Revision,
+};
+use axum::{
+    body::Bytes,
+    extract::{FromRequest, FromRequestParts, Path, Query, Request, rejection::BytesRejection},
+    http::{HeaderMap, StatusCode, header, request::Parts},
+};
+use serde::{Deserialize, de::DeserializeOwned};
+use std::{collections::HashMap, sync::Arc};
+
+/// Path parameters by name.
+async fn path(parts: &mut Parts) -> Result<HashMap<String, String>, ApiError> {
+    match Path::<HashMap<String, String>>::from_request_parts(parts, &()).await {
+        Ok(Path(parameters)) => Ok(parameters),
+        Err(_) => Err(ApiError::BadRequest("The path is not UTF-8.".to_owned(), Vec::new())),
+    }
+}
+
+/// A query whose parameters are all known.
+pub(super) struct Known<T>(pub T);
+
+impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Known<T> {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
+        match Query::<T>::from_request_parts(parts, state).await {
+            Ok(Query(query)) => Ok(Self(query)),
+            Err(rejection) => {
+                let text = rejection.body_text();
+                let detail = text.split_once(": ").map_or(text.as_str(), |(_, detail)| detail);
+                // A wrong value or an unknown name comes as "name: what is wrong".
+                let (name, detail) = detail.split_once(": ").unwrap_or(("query", detail));
+                Err(ApiError::parameter(name, detail))
+            }
+        }
+    }
+}
+
+/// A world's name in a path, valid but perhaps not taken.
+pub(super) struct WorldName(pub String);
+
+impl WorldName {
+    pub(super) fn parse(name: &str) -> Result<Self, String> {
+        let plain = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit();
+        let valid = name.len() <= 63 && name.bytes().next().is_some_and(plain) && name.bytes().all(|b| plain(b) || b == b'-');
+        if valid { Ok(Self(name.to_owned())) } else { Err(format!("a name is 1 to 63 of a … z, 0 … 9 and -, the first not -; got {name:?}")) }
+    }
+}
+
+impl FromRequestParts<App> for WorldName {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
+        let name = path(parts).await?.remove("world").unwrap_or_default();
+        Self::parse(&name).map_err(|detail| ApiError::parameter("world", detail))
+    }
+}
+
+/// A world that there is: `name` as it is now, or `name@revision`.
+pub(super) struct WorldAt {
+    pub live: Arc<Live>,
+    /// Whether the address names a revision, so that the answer never changes.
+    pub pinned: bool,
+}
+
+impl FromRequestParts<App> for WorldAt {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, ApiError> {
+        let segment = path(parts).await?.remove("world").unwrap_or_default();
+        let worlds = &app.0.worlds;
+        let unknown = |name: &str| {
+            let near = nearest(name, worlds.all().keys().map(String::as_str)).map_or_else(String::new, |near| format!(" (did you mean {near:?}?)"));
+            ApiError::absent("world", format!("no world is named {name:?}{near}"))
+        };
+        let Some((name, revision)) = segment.split_once('@') else {
+            let live = worlds.get(&segment).ok_or_else(|| unknown(&segment))?;
+            return Ok(Self { live, pinned: false });
+        };
+        if worlds.get(name).is_none() {
+            return Err(unknown(name));
+        }
+        let missing = || {
+            ApiError::absent(
+                "world",
+                format!("the world {name:?} has no revision {revision:?}; a revision is 32 hex digits, listed at worlds/{name}/revisions"),
+            )
+        };
+        let revision = Revision::parse(revision).ok_or_else(missing)?;
+        let live = worlds.at(name, &revision).await?.ok_or_else(missing)?;
+        Ok(Self { live, pinned: true })
+    }
+}
+
+fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
+    let (distance, near) = candidates.map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate)).min()?;
+    (distance <= 2).then(|| near.to_owned())
+}
+
+/// The grid and tileset of a path.
+pub(super) struct TilesetPath {
+    pub grid: Grid,
+    pub tileset: Tileset,
+}
+
+impl TilesetPath {
+    fn parse(parameters: &HashMap<String, String>) -> Result<Self, ApiError> {
+        let get = |name: &str| parameters.get(name).map_or("", String::as_str);
+        let (grid, tileset) = (get("grid"), get("tileset"));
+        let list = |names: Vec<&str>| names.join(", ");
+        let grid = Grid::from_name(grid).ok_or_else(|| {
+            ApiError::absent("grid", format!("no grid is named {grid:?}; there are {}", list(Grid::ALL.iter().map(|grid| grid.name()).collect())))
+        })?;
+        let tileset = Tileset::from_name(tileset).ok_or_else(|| {
+            let all = list(Tileset::ALL.iter().map(|tileset| tileset.name()).collect());
+            ApiError::absent("tileset", format!("no tileset is named {tileset:?}; there are {all}"))
+        })?;
+        Ok(Self { grid, tileset })
+    }
+}
+
+impl FromRequestParts<App> for TilesetPath {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
+        Self::parse(&path(parts).await?)
+    }
+}
+
+/// How the samples of a tile are filtered.
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TileQuery {
+    filter: Option<String>,
+}
+
+/// A tile that there is.
+pub(super) struct TilePath(pub TileRequest);
+
+impl FromRequestParts<App> for TilePath {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, ApiError> {
+        let parameters = path(parts).await?;
+        let Known(query) = Known::<TileQuery>::from_request_parts(parts, app).await?;
+        let TilesetPath { grid, tileset } = TilesetPath::parse(&parameters)?;
+        let get = |name: &str| parameters.get(name).map_or("", String::as_str);
+        let (y, samples) = parse_file(get("y"), tileset)?;
+        let tile = Tile { z: parse_zoom(get("z"))?, x: parse_index("x", get("x"))?, y };
+        grid.check(tile).map_err(|error| ApiError::absent("tile", error.to_string()))?;
+        let filter = match query.filter.as_deref() {
+            None | Some("band") => Filter::Band,
+            Some("exact") => Filter::Exact,
+            Some(other) => return Err(ApiError::parameter("filter", format!("must be band or exact, got {other:?}"))),
+        };
+        Ok(Self(TileRequest { grid, tile, samples, filter, tileset }))
+    }
+}
+
+fn parse_zoom(z: &str) -> Result<u8, ApiError> {
+    let number: i64 = parse_index("z", z)?;
+    let zoom = u8::try_from(number).ok().filter(|zoom| *zoom <= MAX_ZOOM);
+    zoom.ok_or_else(|| ApiError::absent("z", format!("zoom must be 0 … {MAX_ZOOM}, got {z}")))
+}
+
+fn parse_index(name: &str, text: &str) -> Result<i64, ApiError> {
+    text.parse().ok().ok_or_else(|| ApiError::parameter(name, format!("must be a whole number, got {text:?}")))
+}
+
+/// Row, samples and extension: `5.png`, `5@2x.png`, `5@257.bin`.
+fn parse_file(file: &str, tileset: Tileset) -> Result<(i64, Samples), ApiError> {
+    let (stem, extension) = file.rsplit_once('.').unwrap_or((file, ""));
+    let wanted = tileset.extension();
+    if extension != wanted {
+        return Err(ApiError::absent("y", format!("tiles of {} end in .{wanted}, got {file:?}", tileset.name())));
+    }
+    let Some((row, samples)) = stem.split_once('@') else { return Ok((parse_index("y", stem)?, Samples::Centres(256))) };
+    let row = parse_index("y", row)?;
+    let side = samples.parse::<usize>().ok().filter(|side| (2..=MAX_SIDE).contains(side));
+    match (samples, side) {
+        ("2x", _) => Ok((row, Samples::Centres(512))),
+        (_, Some(side)) => Ok((row, Samples::Vertices(side))),
+        _ => Err(ApiError::absent("y", format!("after @ comes 2x (512 pixels) or a number of vertices a side, 2 … {MAX_SIDE}; got {samples:?}"))),
+    }
+}
+
+/// The conditions of a write.
+pub(super) struct WriteCondition(pub Condition);
+
+impl FromRequestParts<App> for WriteCondition {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
+        let tags = |name| entity_tags(&parts.headers, name);
+        Ok(Self(match (tags(header::IF_MATCH), tags(header::IF_NONE_MATCH)) {
+            (None, None) => Condition::Any,
+            (Some(tags), None) if tags == ["*"] => Condition::Present,
+            (Some(tags), None) => Condition::At(tags.iter().map(|tag| tag.trim_matches('"').to_owned()).collect()),
+            (None, Some(tags)) if tags == ["*"] => Condition::Absent,
+            _ => {
+                let detail = "Writes understand one of If-Match: \"<revision>\", If-Match: * and If-None-Match: *.";
+                return Err(ApiError::BadRequest(detail.to_owned(), Vec::new()));
+            }
+        }))
+    }
+}
+
+/// The comma-separated entity tags of a header, as they are written; `None` without the header.
+pub(super) fn entity_tags(headers: &HeaderMap, name: header::HeaderName) -> Option<Vec<String>> {
+    let values = headers.get_all(name);
+    let mut tags = values.iter().filter_map(|value| value.to_str().ok()).flat_map(|value| value.split(',')).map(|tag| tag.trim().to_owned()).peekable();
+    tags.peek().is_some().then(|| tags.collect())
+}
+
+/// A request's body, at most as long as a world document may be.
+pub(super) struct Body(pub Bytes);
+
+impl FromRequest<App> for Body {
+    type Rejection = ApiError;
+
+    async fn from_request(request: Request, app: &App) -> Result<Self, ApiError> {
+        match Bytes::from_request(request, app).await {
+            Ok(bytes) => Ok(Self(bytes)),
+            Err(BytesRejection::FailedToBufferBody(rejection)) if rejection.status() == StatusCode::PAYLOAD_TOO_LARGE => {
+                Err(ApiError::TooLarge(app.0.world_bytes))
+            }
+            Err(_) => Err(ApiError::BadRequest("The body could not be read.".to_owned(), Vec::new())),
+        }
+    }
+}
+
+/// The URL that clients reach the server by, without a slash at its end.
+pub(super) struct PublicUrl(pub String);
+
+impl FromRequestParts<App> for PublicUrl {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, ApiError> {
+        if !app.0.public_url.is_empty() {
+            return Ok(Self(app.0.public_url.clone()));
+        }
+        let host = parts.headers.get(header::HOST).and_then(|host| host.to_str().ok()).or(parts.uri.authority().map(axum::http::uri::Authority::as_str));
+        // What is no authority would become part of URLs in documents that others read.
+        let host = host.filter(|host| host.parse::<axum::http::uri::Authority>().is_ok());
+        host.map(|host| Self(format!("http://{host}"))).ok_or_else(|| ApiError::BadRequest("The request needs a valid Host header.".to_owned(), Vec::new()))
+    }
+}

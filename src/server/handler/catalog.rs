@@ -1,0 +1,38 @@
+//! What a server has.
+
+use crate::{
+    geometry::Grid,
+    server::{
+        error::ApiError,
+        extract::PublicUrl,
+        schema::{Catalog, CatalogEntry, ProblemDetails, TilesetEntry, WorldEntry, WorldList},
+        state::App,
+        worlds::Live,
+    },
+    tile::Tileset,
+};
+use axum::{Json, extract::State};
+
+fn entry(live: &Live) -> WorldEntry {
+    WorldEntry { name: live.name.clone(), title: live.title().to_owned(), revision: live.world.revision().to_string() }
+}
+
+/// Every world with its tilesets.
+#[utoipa::path(get, path = "/catalog", tag = "worlds", responses(
+    (status = 200, description = "The worlds, by name", body = Catalog),
+    (status = 400, description = "No valid Host header", body = ProblemDetails, content_type = "application/problem+json"),
+))]
+pub(crate) async fn get_catalog(State(app): State<App>, PublicUrl(url): PublicUrl) -> Result<Json<Catalog>, ApiError> {
+    let tilesets = |name: &str| {
+        let all = Grid::ALL.into_iter().flat_map(|grid| Tileset::ALL.map(|tileset| (grid.name(), tileset.name())));
+        all.map(|(grid, tileset)| TilesetEntry { grid, tileset, tilejson: format!("{url}/worlds/{name}/{grid}/{tileset}") }).collect()
+    };
+    let worlds = app.0.worlds.all().values().map(|live| CatalogEntry { world: entry(live), tilesets: tilesets(&live.name) }).collect();
+    Ok(Json(Catalog { worlds }))
+}
+
+/// Every world.
+#[utoipa::path(get, path = "/worlds", tag = "worlds", responses((status = 200, description = "The worlds, by name", body = WorldList)))]
+pub(crate) async fn list_worlds(State(app): State<App>) -> Json<WorldList> {
+    Json(WorldList { worlds: app.0.worlds.all().values().map(|live| entry(live)).collect() })
+}

@@ -1,0 +1,9 @@
+//! The handlers: extract, one call, answer.
+
+pub(super) mod catalog;
+pub(super) mod description;
+pub(super) mod elevation;
+pub(super) mod health;
+pub(super) mod tile;
+pub(super) mod viewer;
+pub(super) mod world;

@@ -1,0 +1,140 @@
+//! Tiles and what describes them.
+
+use crate::{
+    geometry::{Grid, to_lon_lat},
+    server::{
+        error::ApiError,
+        extract::{Known, PublicUrl, TilePath, TilesetPath, WorldAt},
+        headers::{Freshness, is_fresh, not_modified, tagged},
+        schema::{ProblemDetails, TileJson},
+        state::App,
+        style,
+        worlds::Live,
+    },
+    tile,
+};
+use axum::{
+    Json,
+    extract::State,
+    http::{HeaderMap, header},
+    response::{IntoResponse, Response},
+};
+use serde::Deserialize;
+use std::sync::Arc;
+use utoipa::IntoParams;
+
+/// Zoom levels that `TileJSON` announces.
+const MAX_ANNOUNCED_ZOOM: u8 = 24;
+
+/// Whether URLs carry the revision.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct LiveQuery {
+    /// Present, with any value or none: plain URLs whose tiles change with the world, for editing.
+    #[param(value_type = Option<String>, allow_reserved = false)]
+    live: Option<String>,
+}
+
+/// A tile.
+#[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}/{z}/{x}/{y}", tag = "tiles", params(
+    ("world" = String, Path, description = "`name`, or `name@revision` for a tile that never changes"),
+    ("grid" = String, Path, description = "`web` or `metric`"),
+    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32` or `hillshade`"),
+    ("z" = u8, Path, description = "Zoom level, 0 … 30"),
+    ("x" = i64, Path, description = "Column, to the east; may be negative or beyond 2^z"),
+    ("y" = String, Path, description = "Row, to the south, samples and extension: `5.png` (256 pixels), `5@2x.png` (512), `5@257.bin` (257 × 257 vertices with both edges; 2 … 1025)"),
+    ("filter" = Option<String>, Query, description = "`band` (default) leaves out what the spacing cannot carry, `exact` samples the function as it is"),
+), responses(
+    (status = 200, description = "The tile", content((Vec<u8> = "image/png"), (Vec<u8> = "application/octet-stream")), headers(("ETag" = String, description = "The tile's fingerprint"))),
+    (status = 304, description = "The tile is what If-None-Match names; nothing was evaluated"),
+    (status = 400, description = "A part of the address is no number, or the query is wrong", body = ProblemDetails, content_type = "application/problem+json"),
+    (status = 404, description = "No such world, grid, tileset, extension or tile", body = ProblemDetails, content_type = "application/problem+json"),
+    (status = 503, description = "Too many tiles are waiting", body = ProblemDetails, content_type = "application/problem+json"),
+))]
+pub(crate) async fn get_tile(
+    State(app): State<App>,
+    WorldAt { live, pinned }: WorldAt,
+    TilePath(request): TilePath,
+    headers: HeaderMap,
+) -> Result<Response, ApiError> {
+    let fingerprint = live.world.fingerprint(request.tileset.form(), request.grid, request.tile, request.samples, request.filter);
+    let (tag, freshness) = (fingerprint.to_string(), Freshness::of(pinned));
+    if is_fresh(&headers, &tag) {
+        return Ok(not_modified(&tag, freshness));
+    }
+    let bytes = app.0.tiles.get(fingerprint, move || tile::render(&live.world, &request)).await?;
+    Ok(tagged(([(header::CONTENT_TYPE, request.tileset.media_type())], bytes), &tag, freshness))
+}
+
+/// What viewers need to know of a tileset.
+#[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}", tag = "tiles", params(
+    ("world" = String, Path, description = "`name` or `name@revision`"),
+    ("grid" = String, Path, description = "`web` or `metric`"),
+    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32` or `hillshade`"),
+    LiveQuery,
+), responses(
+    (status = 200, description = "TileJSON 3.0 with `encoding` and `tileSize`", body = TileJson),
+    (status = 304, description = "The world has not changed"),
+    (status = 400, description = "The query is wrong", body = ProblemDetails, content_type = "application/problem+json"),
+    (status = 404, description = "No such world, grid or tileset", body = ProblemDetails, content_type = "application/problem+json"),
+))]
+pub(crate) async fn get_tilejson(
+    WorldAt { live, pinned }: WorldAt,
+    TilesetPath { grid, tileset }: TilesetPath,
+    Known(query): Known<LiveQuery>,
+    PublicUrl(url): PublicUrl,
+) -> Result<Response, ApiError> {
+    let document = live.world.document();
+    let template = template(&url, &live, grid.name(), tileset, query.live.is_some());
+    let body = TileJson {
+        tilejson: "3.0.0",
+        name: live.title().to_owned(),
+        description: document.description.clone(),
+        attribution: document.attribution.clone(),
+        scheme: "xyz",
+        tiles: [template],
+        minzoom: 0,
+        maxzoom: MAX_ANNOUNCED_ZOOM,
+        center: center(&live, grid),
+        tile_size: 512,
+        encoding: tileset.encoding(),
+    };
+    Ok(tagged(Json(body), live.world.revision().as_str(), Freshness::of(pinned)))
+}
+
+fn template(url: &str, live: &Live, grid: &str, tileset: tile::Tileset, plain: bool) -> String {
+    let revision = if plain { String::new() } else { format!("@{}", live.world.revision()) };
+    format!("{url}/worlds/{}{revision}/{grid}/{}/{{z}}/{{x}}/{{y}}@2x.{}", live.name, tileset.name(), tileset.extension())
+}
+
+/// The middle and zoom (of 512-pixel tiles) of a view with relief: longitude and latitude on `web`, metres on `metric`.
+fn center(live: &Live, grid: Grid) -> [f64; 3] {
+    /// How many pixels the view is meant to fill.
+    const VIEW_PIXELS: f64 = 1024.0;
+    let survey = &live.survey;
+    let [x, y] = survey.centre;
+    let zoom = libm::log2(grid.tile_side(0) / 512.0 * VIEW_PIXELS / survey.side).clamp(0.0, f64::from(MAX_ANNOUNCED_ZOOM) - 2.0);
+    let round = |value: f64, digits: f64| (value * digits).round() / digits;
+    match grid {
+        Grid::Web => {
+            let (longitude, latitude) = to_lon_lat(x, y);
+            [round(longitude, 1e6), round(latitude, 1e6), round(zoom, 100.0)]
+        }
+        Grid::Metric => [x.round(), y.round(), round(zoom, 100.0)],
+    }
+}
+
+/// A ready `MapLibre` style: colour relief under hillshade.
+#[utoipa::path(get, path = "/worlds/{world}/style.json", tag = "tiles", params(("world" = String, Path, description = "`name` or `name@revision`"), LiveQuery), responses(
+    (status = 200, description = "A MapLibre style, version 8", body = serde_json::Value),
+    (status = 304, description = "The world has not changed"),
+    (status = 400, description = "The query is wrong", body = ProblemDetails, content_type = "application/problem+json"),
+    (status = 404, description = "No such world", body = ProblemDetails, content_type = "application/problem+json"),
+))]
+pub(crate) async fn get_style(WorldAt { live, pinned }: WorldAt, Known(query): Known<LiveQuery>, PublicUrl(url): PublicUrl) -> Response {
+    let tiles = template(&url, &live, Grid::Web.name(), tile::Tileset::Terrarium, query.live.is_some());
+    let style = style::style(&live, &tiles, MAX_ANNOUNCED_ZOOM, center(&live, Grid::Web));
+    let live: &Arc<Live> = &live;
+    tagged(Json(style), live.world.revision().as_str(), Freshness::of(pinned)).into_response()
+}

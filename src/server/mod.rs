@@ -1,0 +1,21 @@
+//! HTTP: parse, call, answer.
+
+mod compute;
+mod config;
+mod embedded;
+mod error;
+mod extract;
+mod handler;
+mod headers;
+mod router;
+mod schema;
+mod serve;
+mod state;
+mod style;
+mod tiles;
+mod worlds;
+
+pub use config::{CacheConfig, Config, ConfigError, LimitsConfig, ServerConfig};
+pub use router::{openapi, router};
+pub use serve::serve;
+pub use state::App;

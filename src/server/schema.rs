@@ -1,0 +1,203 @@
+//! The JSON that goes over the wire, as `OpenAPI` describes it.
+
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// A world document. Requests may leave out what has a default; responses hold every field.
+#[derive(ToSchema)]
+#[schema(as = World)]
+#[expect(dead_code, reason = "documents are read and written by crate::world; this describes them")]
+pub(super) struct WorldSchema {
+    /// A name for people, at most 200 characters.
+    title: Option<String>,
+    /// What the world is, at most 4000 characters.
+    description: Option<String>,
+    /// Whom maps should name, at most 200 characters.
+    attribution: Option<String>,
+    /// Hashed into every noise lattice.
+    #[schema(minimum = 0, maximum = 9_007_199_254_740_991_i64, example = 7)]
+    seed: u64,
+    /// The generator version that the world is pinned to; the newest by default.
+    #[schema(required = false, minimum = 1, maximum = 1, default = 1)]
+    generator: u32,
+    /// The vertical range that elevations are clamped to.
+    #[schema(required = false, inline)]
+    elevation: RangeSchema,
+    /// Elevation of the sea's surface in metres.
+    #[schema(required = false, default = 0, minimum = -10000, maximum = 32767)]
+    sea_level: f64,
+    #[schema(inline)]
+    base: BaseSchema,
+    /// What lies above the base: no layer source is built yet, so this is empty.
+    #[schema(required = false, max_items = 0)]
+    layers: Vec<serde_json::Value>,
+}
+
+/// The vertical range, in metres.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "as above")]
+pub(super) struct RangeSchema {
+    #[schema(required = false, default = -10000, minimum = -10000, maximum = 32767)]
+    min: f64,
+    #[schema(required = false, default = 9000, minimum = -10000, maximum = 32767)]
+    max: f64,
+}
+
+/// The terrain beneath all layers: elevation = datum + amplitude · programme((x - origin\[0\]) / scale, (y - origin\[1\]) / scale).
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "as above")]
+pub(super) struct BaseSchema {
+    /// A terrain programme, as text or as a JSON tree.
+    #[schema(value_type = serde_json::Value, example = "fbm(1, 2, 8)")]
+    programme: serde_json::Value,
+    /// Metres per programme unit, more than 0 and at most 2^40.
+    #[schema(exclusive_minimum = 0, maximum = 1_099_511_627_776_i64, example = 20000)]
+    scale: f64,
+    /// Plane metres of the programme's origin, x and y.
+    #[schema(required = false)]
+    origin: [f64; 2],
+    /// Metres of elevation per unit of the programme's value.
+    #[schema(required = false, default = 1000, minimum = -1_000_000, maximum = 1_000_000)]
+    amplitude: f64,
+    /// Metres of elevation where the programme is 0.
+    #[schema(required = false, default = 0, minimum = -1_000_000, maximum = 1_000_000)]
+    datum: f64,
+}
+
+/// A world in a list.
+#[derive(Serialize, ToSchema)]
+pub(super) struct WorldEntry {
+    pub name: String,
+    /// The world's title; its name where it has none.
+    pub title: String,
+    pub revision: String,
+}
+
+/// The worlds of a server.
+#[derive(Serialize, ToSchema)]
+pub(super) struct WorldList {
+    pub worlds: Vec<WorldEntry>,
+}
+
+/// A way to draw a world as tiles.
+#[derive(Serialize, ToSchema)]
+pub(super) struct TilesetEntry {
+    pub grid: &'static str,
+    pub tileset: &'static str,
+    /// URL of its `TileJSON`.
+    pub tilejson: String,
+}
+
+/// A world with its tilesets.
+#[derive(Serialize, ToSchema)]
+pub(super) struct CatalogEntry {
+    #[serde(flatten)]
+    pub world: WorldEntry,
+    pub tilesets: Vec<TilesetEntry>,
+}
+
+/// The worlds of a server with their tilesets.
+#[derive(Serialize, ToSchema)]
+pub(super) struct Catalog {
+    pub worlds: Vec<CatalogEntry>,
+}
+
+/// One save of a world.
+#[derive(Serialize, ToSchema)]
+pub(super) struct RevisionSchema {
+    /// Counts the saves and deletions of a name from 1.
+    pub number: i64,
+    /// When it was saved, RFC 3339, UTC.
+    pub time: String,
+    /// First 32 hex digits of SHA-256 of the document in canonical form (RFC 8785).
+    pub revision: String,
+}
+
+/// `TileJSON` 3.0 with the keys that `MapLibre` reads beside the standard's.
+#[derive(Serialize, ToSchema)]
+pub(super) struct TileJson {
+    pub tilejson: &'static str,
+    pub name: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub description: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub attribution: Option<String>,
+    pub scheme: &'static str,
+    /// One absolute URL template.
+    pub tiles: [String; 1],
+    pub minzoom: u8,
+    pub maxzoom: u8,
+    /// Longitude, latitude and zoom of a view with relief (`web`); x, y and zoom in metres on `metric`.
+    pub center: [f64; 3],
+    /// Pixels a side.
+    #[serde(rename = "tileSize")]
+    pub tile_size: u32,
+    /// How elevation is packed; not there for pictures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub encoding: Option<&'static str>,
+}
+
+/// The ground at a point, in metres.
+#[derive(Serialize, ToSchema)]
+pub(super) struct ElevationSchema {
+    pub x: f64,
+    pub y: f64,
+    /// Only where the point was given by longitude and latitude.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub longitude: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub latitude: Option<f64>,
+    /// Elevation of the ground, also under water.
+    pub elevation: f32,
+    /// Depth of the water above it, 0 on land.
+    pub water_depth: f32,
+}
+
+/// Whether the server lives or takes requests.
+#[derive(Serialize, ToSchema)]
+pub(super) struct Health {
+    pub status: &'static str,
+}
+
+/// What is wrong with a request (RFC 9457).
+#[derive(Serialize, ToSchema)]
+pub(super) struct ProblemDetails {
+    /// A stable name of the kind of problem.
+    #[serde(rename = "type")]
+    pub kind: String,
+    pub title: String,
+    pub status: u16,
+    pub detail: String,
+    /// Each wrong part.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schema(required = false)]
+    pub errors: Vec<ProblemEntry>,
+}
+
+/// One wrong part of a request.
+#[derive(Debug, Serialize, ToSchema)]
+pub(super) struct ProblemEntry {
+    /// A JSON pointer into the body.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pointer: Option<String>,
+    /// A path or query parameter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parameter: Option<String>,
+    /// What is wrong and what would be right.
+    pub detail: String,
+    /// In programme text: the pointer of the wrong node in the programme's tree.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<String>,
+    /// In programme text: the first wrong character.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start: Option<usize>,
+    /// In programme text: the character after the last wrong one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub end: Option<usize>,
+}
+
+impl ProblemEntry {
+    pub(super) fn parameter(name: &str, detail: impl Into<String>) -> Self {
+        Self { pointer: None, parameter: Some(name.to_owned()), detail: detail.into(), at: None, start: None, end: None }
+    }
+}

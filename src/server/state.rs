@@ -1,0 +1,97 @@
+//! What all handlers share.
+
+use super::{
+    compute::Compute,
+    config::Config,
+    tiles::Tiles,
+    worlds::{LoadError, Worlds},
+};
+use crate::store::Store;
+use std::{
+    num::NonZeroUsize,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+};
+
+/// A server's state.
+#[derive(Clone)]
+pub struct App(pub(super) Arc<AppState>);
+
+pub(super) struct AppState {
+    pub worlds: Worlds,
+    pub tiles: Tiles,
+    pub compute: Arc<Compute>,
+    /// Without a slash at its end; empty: from each request's Host header.
+    pub public_url: String,
+    pub world_bytes: usize,
+    /// Whether worlds can be written: only where no other machine reaches the server.
+    pub writable: bool,
+    draining: AtomicBool,
+}
+
+/// Why a server cannot start.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// The worlds cannot be loaded.
+    #[error("loading the worlds: {0}")]
+    Load(#[source] Box<dyn std::error::Error + Send + Sync>),
+    /// The compute threads cannot be started.
+    #[error("starting threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The address cannot be listened on.
+    #[error("listening on {address}: {source}")]
+    Listen {
+        /// The address.
+        address: std::net::SocketAddr,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Accepting connections failed.
+    #[error("serving: {0}")]
+    Serve(std::io::Error),
+}
+
+impl App {
+    /// Opens the store and loads every world.
+    ///
+    /// # Errors
+    /// If the store cannot be opened or holds what this version cannot read, or threads cannot be started.
+    pub async fn load(config: &Config) -> Result<Self, StartError> {
+        let load = |error: LoadError| StartError::Load(Box::new(error));
+        let compute = Arc::new(Compute::new(config.server.threads)?);
+        let store = Store::open(&config.server.data).await.map_err(|error| load(error.into()))?;
+        let old_revisions = NonZeroUsize::new(config.cache.old_revisions).unwrap_or(NonZeroUsize::MIN);
+        let worlds = Worlds::load(store, Arc::clone(&compute), old_revisions).await.map_err(load)?;
+        Ok(Self(Arc::new(AppState {
+            worlds,
+            tiles: Tiles::new(Arc::clone(&compute), config.cache.tile_bytes, config.limits.pending_tiles),
+            compute,
+            public_url: config.server.public_url.trim_end_matches('/').to_owned(),
+            world_bytes: config.limits.world_bytes,
+            writable: config.server.listen.ip().is_loopback(),
+            draining: AtomicBool::new(false),
+        })))
+    }
+
+    /// How many tiles were evaluated since the start.
+    #[must_use]
+    pub fn evaluations(&self) -> u64 {
+        self.0.tiles.evaluations()
+    }
+
+    /// Says from now on that no new requests should come.
+    pub fn drain(&self) {
+        self.0.draining.store(true, Ordering::Relaxed);
+    }
+
+    pub(super) fn is_draining(&self) -> bool {
+        self.0.draining.load(Ordering::Relaxed)
+    }
+
+    /// Closes the store.
+    pub async fn close(&self) {
+        self.0.worlds.close().await;
+    }
+}

@@ -1,0 +1,31 @@
+//! Why the store did not do what was asked.
+
+/// Why a call to the store failed.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    /// The data folder cannot be made or used.
+    #[error("the data folder {path}: {source}")]
+    Folder {
+        /// The folder.
+        path: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The database was written by a newer version of the program.
+    #[error("the database has layout {found}, this version of terrane knows {known}: use the version that wrote it, or a newer one")]
+    Newer {
+        /// The layout found.
+        found: i64,
+        /// The newest layout known.
+        known: i64,
+    },
+    /// There is no such world.
+    #[error("no world is named {0:?}")]
+    UnknownWorld(String),
+    /// The world is not at the revision, or in the state, that the caller asked for.
+    #[error("the world is {}, not what the request's condition asks for", .0.as_ref().map_or_else(|| "absent".to_owned(), |revision| format!("at revision {revision}")))]
+    Condition(Option<String>),
+    /// The database failed.
+    #[error("the database: {0}")]
+    Database(#[from] sqlx::Error),
+}

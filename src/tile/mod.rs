@@ -1,0 +1,51 @@
+//! Surfaces as tiles and images: encodings, shading, files.
+
+mod geotiff;
+mod hillshade;
+mod png;
+mod rgb;
+mod tileset;
+
+pub use geotiff::write_geotiff;
+pub use tileset::{EncodeError, Tileset};
+
+use crate::geometry::{Filter, Grid, GridError, Samples, Source, Surface, Tile};
+
+/// What a request for a tile asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TileRequest {
+    /// How the plane is cut.
+    pub grid: Grid,
+    /// Which tile.
+    pub tile: Tile,
+    /// Where its samples stand.
+    pub samples: Samples,
+    /// Which detail they carry.
+    pub filter: Filter,
+    /// How they are drawn.
+    pub tileset: Tileset,
+}
+
+/// Why a tile could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum TileError {
+    /// There is no such tile.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+    /// It could not be encoded.
+    #[error(transparent)]
+    Encode(#[from] EncodeError),
+}
+
+/// Evaluates and encodes a tile on the calling thread.
+///
+/// Tilesets that need neighbours get true samples around the tile.
+///
+/// # Errors
+/// If the grid has no such tile, or encoding fails.
+pub fn render(source: &impl Source, request: &TileRequest) -> Result<Vec<u8>, TileError> {
+    let window = request.grid.window(request.tile, request.samples, request.filter)?.with_apron(request.tileset.apron());
+    let mut surface = Surface::of(&window);
+    source.sample(&window, &mut surface);
+    Ok(request.tileset.encode(&surface, window.spacing())?)
+}

@@ -1,0 +1,36 @@
+//! The worlds a new server starts with.
+
+/// A world that ships with the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Example {
+    /// Its name in URLs.
+    pub name: &'static str,
+    /// Its document.
+    pub json: &'static str,
+}
+
+/// Every example world.
+pub const EXAMPLES: [Example; 6] = [
+    Example { name: "alps", json: include_str!("../../data/worlds/alps.json") },
+    Example { name: "archipelago", json: include_str!("../../data/worlds/archipelago.json") },
+    Example { name: "dunes", json: include_str!("../../data/worlds/dunes.json") },
+    Example { name: "eq2", json: include_str!("../../data/worlds/eq2.json") },
+    Example { name: "hills", json: include_str!("../../data/worlds/hills.json") },
+    Example { name: "mesas", json: include_str!("../../data/worlds/mesas.json") },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::{Document, Survey, World};
+
+    #[test]
+    fn every_example_is_a_world_with_relief_and_without_surprises() {
+        for example in EXAMPLES {
+            let document = Document::parse(example.json.as_bytes()).unwrap_or_else(|error| panic!("{}: {error}", example.name));
+            assert!(document.title.is_some() && document.description.is_some(), "{}", example.name);
+            let survey = Survey::of(&World::new(document));
+            assert!(survey.elevations[1] - survey.elevations[0] > 20.0, "{}: {survey:?}", example.name);
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! What can influence a tile's bytes, hashed before the tile is evaluated.
+
+use super::{Document, World};
+use crate::geometry::{Filter, Grid, Samples, Tile};
+use sha2::{Digest, Sha256};
+use std::fmt;
+
+/// The identity of a tile's bytes: strong `ETag` and cache key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Fingerprint([u8; 16]);
+
+impl fmt::Display for Fingerprint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+/// The hash of what is the same for all tiles of a world.
+#[derive(Clone, Debug)]
+pub(super) struct Prefix(Sha256);
+
+impl Prefix {
+    /// Title, description and attribution do not influence tiles; how a programme is spelt does not either.
+    pub(super) fn new(document: &Document) -> Self {
+        let base = &document.base;
+        let mut hash = Sha256::new();
+        hash.update(format!("terrane tile 1\ngenerator {}\nseed {}\nprogramme {}\n", document.generator, document.seed, base.programme));
+        let numbers =
+            [document.elevation.min, document.elevation.max, document.sea_level, base.scale, base.origin[0], base.origin[1], base.amplitude, base.datum];
+        for number in numbers {
+            // -0 and 0 are one number.
+            hash.update((number + 0.0).to_bits().to_le_bytes());
+        }
+        Self(hash)
+    }
+}
+
+impl World {
+    /// The fingerprint of a tile; `form` names tileset, extension, options and encoder version.
+    #[must_use]
+    pub fn fingerprint(&self, form: &str, grid: Grid, tile: Tile, samples: Samples, filter: Filter) -> Fingerprint {
+        let mut hash = self.prefix.0.clone();
+        let (registration, side) = match samples {
+            Samples::Centres(n) => ("centres", n),
+            Samples::Vertices(n) => ("vertices", n),
+        };
+        hash.update(format!("{form}\n{registration} {side}\n{}\n{} {} {} {}", filter.name(), grid.name(), tile.z, tile.x, tile.y));
+        let digest = hash.finalize();
+        Fingerprint(core::array::from_fn(|i| digest[i]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fingerprint(json: &str, form: &str, x: i64, samples: Samples, filter: Filter) -> Fingerprint {
+        let world = World::new(Document::parse(json.as_bytes()).expect("valid"));
+        world.fingerprint(form, Grid::Web, Tile { z: 9, x, y: 0 }, samples, filter)
+    }
+
+    #[test]
+    fn only_what_can_change_bytes_changes_the_fingerprint() {
+        let json = |title: &str, programme: &str, datum: f64| {
+            format!(r#"{{"seed":1,"title":"{title}","base":{{"programme":"{programme}","scale":10,"datum":{datum}}}}}"#)
+        };
+        let of = |json: &str| fingerprint(json, "terrarium.png 1", 4, Samples::Centres(256), Filter::Band);
+        let one = of(&json("a", "fbm(1,2,8)", 0.0));
+        assert_eq!(one, of(&json("b", "fbm( 1.0, 2, octaves=8 )", -0.0)));
+        assert_ne!(one, of(&json("a", "fbm(1,2,7)", 0.0)));
+        assert_ne!(one, of(&json("a", "fbm(1,2,8)", 1.0)));
+        let base = json("a", "fbm(1,2,8)", 0.0);
+        assert_ne!(one, fingerprint(&base, "terrarium.png 2", 4, Samples::Centres(256), Filter::Band));
+        assert_ne!(one, fingerprint(&base, "terrarium.png 1", 5, Samples::Centres(256), Filter::Band));
+        assert_ne!(one, fingerprint(&base, "terrarium.png 1", 4, Samples::Vertices(256), Filter::Band));
+        assert_ne!(one, fingerprint(&base, "terrarium.png 1", 4, Samples::Centres(256), Filter::Exact));
+        assert_eq!(one.to_string().len(), 32);
+    }
+}

@@ -1,0 +1,87 @@
+//! A first look at a world: where it shows relief, and how high it reaches.
+
+use super::World;
+use crate::geometry::{Filter, Window};
+
+/// Samples a side of the area that is looked at, and of the views compared within it.
+const SIDE: usize = 96;
+const VIEW: usize = 12;
+
+/// The area looked at keeps this far from the edge of the Web Mercator square, in metres, where it can.
+const WEB_REACH: f64 = 18_000_000.0;
+
+/// Where a world is worth looking at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Survey {
+    /// Plane metres of the middle of the view with the most relief above the sea.
+    pub centre: [f64; 2],
+    /// Side of that view in metres: three programme units.
+    pub side: f64,
+    /// Elevations that 2 % and 98 % of the samples lie below, in metres.
+    pub elevations: [f32; 2],
+}
+
+impl Survey {
+    /// Looks at 24 × 24 programme units around the base's origin.
+    #[must_use]
+    pub fn of(world: &World) -> Self {
+        let document = world.document();
+        let spacing = (document.base.scale / 4.0).min(2.0 * WEB_REACH / SIDE as f64);
+        let half = spacing * SIDE as f64 / 2.0;
+        let [x, y] = document.base.origin.map(|c| c.clamp(half - WEB_REACH, WEB_REACH - half));
+        let Ok(window) = Window::area([x - half, y - half, x + half, y + half], spacing, Filter::Band, 1 << 20) else {
+            return Self { centre: [x, y], side: spacing * VIEW as f64, elevations: [0.0, 0.0] };
+        };
+        let surface = world.evaluate(&window);
+        let mut best = (f64::MIN, [0, 0]);
+        for row in (0..=SIDE - VIEW).step_by(VIEW / 4) {
+            for column in (0..=SIDE - VIEW).step_by(VIEW / 4) {
+                let view = (row..row + VIEW).flat_map(|r| surface.row(r)[column..column + VIEW].iter().copied());
+                let score = relief(view, document.sea_level as f32);
+                if score > best.0 {
+                    best = (score, [row, column]);
+                }
+            }
+        }
+        let [row, column] = best.1.map(|first| (first + VIEW / 2) as f64 * spacing);
+        let mut sorted = surface.elevation;
+        sorted.sort_by(f32::total_cmp);
+        let elevations = [sorted[sorted.len() / 50], sorted[sorted.len() - 1 - sorted.len() / 50]];
+        Self { centre: [x - half + column, y + half - row], side: spacing * VIEW as f64, elevations }
+    }
+}
+
+/// Standard deviation of what stands above the sea, so that a sea floor does not count as relief.
+fn relief(samples: impl Iterator<Item = f32> + Clone, sea_level: f32) -> f64 {
+    let above = samples.map(|elevation| f64::from(elevation.max(sea_level)));
+    let count = above.clone().count() as f64;
+    let mean = above.clone().sum::<f64>() / count;
+    above.map(|elevation| (elevation - mean) * (elevation - mean)).sum::<f64>() / count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::Document;
+
+    fn survey(base: &str) -> Survey {
+        Survey::of(&World::new(Document::parse(format!(r#"{{"seed":1,"base":{base}}}"#).as_bytes()).expect("valid")))
+    }
+
+    #[test]
+    fn the_view_lies_where_the_relief_is() {
+        // Flat but for waves that grow to the north-east.
+        let found = survey(r#"{"programme":"multiply(max(plus(x, y), 0), sin(multiply(6, x)))","scale":1000}"#);
+        assert!(found.centre[0] > 5_000.0 && found.centre[1] > 5_000.0, "{found:?}");
+        assert!(found.elevations[0] < 0.0 && found.elevations[1] > 0.0, "{found:?}");
+        assert_eq!(found.side, 3_000.0);
+    }
+
+    #[test]
+    fn the_view_lies_on_the_map() {
+        for base in [r#"{"programme":"fbm(1,2,8)","scale":1e9}"#, r#"{"programme":"fbm(1,2,8)","scale":10,"origin":[1e12,-1e12]}"#] {
+            let found = survey(base);
+            assert!(found.centre.iter().all(|c| c.abs() <= 20_000_000.0), "{found:?}");
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! Tests of the whole: HTTP without sockets, the real program, golden tiles, the house.
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test says what is wrong by failing")]
+
+mod client;
+mod determinism;
+mod encoding;
+mod golden;
+mod http;
+mod openapi;
+mod program;
+mod tidy;
+mod writes;

@@ -1,0 +1,71 @@
+//! The description in `openapi/` and the code must agree, in both directions.
+
+use crate::client::Client;
+use axum::http::{Method, StatusCode};
+use std::path::Path;
+
+#[test]
+fn the_description_in_the_repository_is_that_of_the_code() {
+    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("openapi/terrane.json");
+    let kept = std::fs::read_to_string(&place).unwrap_or_default();
+    let code = terrane::server::openapi().to_pretty_json().unwrap() + "\n";
+    if kept != code {
+        let now = Path::new(env!("CARGO_TARGET_TMPDIR")).join("terrane.json");
+        std::fs::write(&now, &code).unwrap();
+        panic!("openapi/terrane.json is not what the annotations say; they say what is in {}", now.display());
+    }
+}
+
+/// Code to description: routes come from annotated handlers alone.
+#[test]
+fn no_route_is_added_beside_the_description() {
+    let router = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/server/router.rs")).unwrap();
+    for beside in [".route(", ".nest(", ".route_service(", ".merge("] {
+        assert!(!router.contains(beside), "router.rs uses {beside}…): register an annotated handler with routes!() instead");
+    }
+}
+
+/// Description to code: every described operation is answered by its own handler, with a described status.
+#[tokio::test]
+async fn every_described_operation_is_there() {
+    let client = Client::new().await;
+    let description = serde_json::to_value(terrane::server::openapi()).unwrap();
+    let fill = |template: &str| {
+        let filled = [("{world}", "hills"), ("{grid}", "web"), ("{tileset}", "terrarium"), ("{z}", "3"), ("{x}", "4"), ("{y}", "2.png")];
+        filled.iter().fold(template.to_owned(), |path, (name, value)| path.replace(name, value))
+    };
+    let mut operations = 0;
+    // Deleting last leaves the world to the others.
+    for deleting in [false, true] {
+        for (template, item) in description["paths"].as_object().unwrap() {
+            for method in item.as_object().unwrap().keys().filter(|method| (*method == "delete") == deleting) {
+                let method: Method = method.to_uppercase().parse().unwrap();
+                let path = fill(template);
+                assert!(!path.contains('{'), "{path}: give the parameter a value here");
+                let query = if template.ends_with("/elevation") { "?x=0&y=0" } else { "" };
+                let body = if matches!(method, Method::PUT | Method::POST) { r#"{"seed":1,"base":{"programme":"x","scale":1}}"# } else { "" };
+                let answer = client.send(method.clone(), &format!("{path}{query}"), &[], body).await;
+                assert!(answer.status.is_success(), "{method} {path}: {}", answer.status);
+                assert_ne!(answer.status, StatusCode::METHOD_NOT_ALLOWED);
+                operations += 1;
+            }
+        }
+    }
+    assert!(operations >= 14, "{operations}");
+}
+
+#[tokio::test]
+async fn the_server_gives_its_description() {
+    let client = Client::new().await;
+    let description = client.get("/openapi.json").await.json();
+    assert!(description["openapi"].as_str().unwrap().starts_with("3.1"));
+    assert_eq!(description, serde_json::to_value(terrane::server::openapi()).unwrap());
+}
+
+#[test]
+fn the_manual_names_every_operation() {
+    let manual = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/programmes.md")).unwrap();
+    for signature in terrane::programme::Signature::all() {
+        assert!(manual.contains(&format!("`{}`", signature.usage())), "docs/programmes.md lacks `{}`", signature.usage());
+    }
+}

@@ -1,0 +1,124 @@
+//! The house: which rooms may use which, and what no file may hold.
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// From the bottom up; a room may use those before it. Rooms that are not built yet have their place already.
+const ROOMS: [&str; 15] =
+    ["geometry", "noise", "genetic", "analysis", "programme", "layout", "paths", "synthesis", "evolve", "world", "tile", "query", "store", "jobs", "server"];
+
+/// Rooms that do not know each other: they meet in `world`.
+const STRANGERS: [(&str, &str); 4] = [("programme", "synthesis"), ("layout", "paths"), ("layout", "synthesis"), ("paths", "synthesis")];
+
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(sources(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    files
+}
+
+fn src() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
+/// The code of a file without comments and without its tests, which may use anything.
+fn code(path: &Path) -> String {
+    let text = fs::read_to_string(path).unwrap();
+    let code = text.split("\n#[cfg(test)]\nmod tests").next().unwrap();
+    code.lines().map(|line| line.split("//").next().unwrap()).collect::<Vec<_>>().join("\n")
+}
+
+/// First segments after `crate::`, also inside `crate::{…}`.
+fn uses(code: &str) -> BTreeSet<String> {
+    let word = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    let mut found = BTreeSet::new();
+    for part in code.split("crate::").skip(1) {
+        let Some(group) = part.strip_prefix('{') else {
+            found.insert(word(part));
+            continue;
+        };
+        let (mut depth, mut start) = (0, true);
+        for (i, c) in group.char_indices() {
+            match c {
+                '{' => depth += 1,
+                '}' if depth == 0 => break,
+                '}' => depth -= 1,
+                ',' if depth == 0 => start = true,
+                c if start && !c.is_whitespace() => {
+                    found.insert(word(&group[i..]));
+                    start = false;
+                }
+                _ => {}
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn imports_are_found_in_groups_too() {
+    let found = uses("use crate::{\n    geometry::{Grid, Tile},\n    noise,\n};\nlet x = crate::tile::render;");
+    assert_eq!(found.into_iter().collect::<Vec<_>>(), ["geometry", "noise", "tile"]);
+}
+
+#[test]
+fn dependencies_point_down() {
+    let floor = |room: &str| ROOMS.iter().position(|known| *known == room);
+    let mut wrong = Vec::new();
+    for path in sources(&src()) {
+        let inside = path.strip_prefix(src()).unwrap().to_path_buf();
+        let room = inside.iter().next().unwrap().to_str().unwrap().trim_end_matches(".rs").to_owned();
+        if matches!(room.as_str(), "lib" | "main") {
+            continue;
+        }
+        let own = floor(&room).unwrap_or_else(|| panic!("{room} is not a room of the house: give it its place in ROOMS and in ARCHITECTURE.md"));
+        for used in uses(&code(&path)) {
+            let strangers = STRANGERS.contains(&(room.as_str(), used.as_str())) || STRANGERS.contains(&(used.as_str(), room.as_str()));
+            if floor(&used).is_some_and(|other| other > own) || strangers {
+                wrong.push(format!("{} uses {used}", inside.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn only_the_server_knows_http_and_only_noise_may_be_unsafe() {
+    for path in sources(&src()) {
+        let (code, name) = (code(&path), path.strip_prefix(src()).unwrap().display().to_string());
+        let server = name.starts_with("server/") || name.starts_with("store/") || name == "main.rs";
+        for library in ["axum", "tokio", "tower", "hyper", "sqlx"] {
+            assert!(server || !code.contains(&format!("{library}::")), "{name} uses {library}");
+        }
+        assert!(name.starts_with("noise/") || !code.contains("unsafe "), "{name} is unsafe");
+        for word in ["mul_add", "todo!(", "unimplemented!(", "dbg!(", ".unwrap()", "SystemTime", "Instant::now"] {
+            assert!(!code.contains(word), "{name} holds {word}");
+        }
+        let kernels = ["noise/", "programme/", "geometry/", "world/", "analysis/"].iter().any(|room| name.starts_with(room));
+        for word in [".sin()", ".cos()", ".tan()", ".powf(", ".powi(", ".exp()", ".ln()", ".atan(", ".log2()", ".hypot(", "HashMap", "HashSet"] {
+            assert!(!kernels || !code.contains(word), "{name} holds {word}: results must not depend on the platform or on hashing order");
+        }
+    }
+}
+
+#[test]
+fn the_tree_names_no_machine() {
+    for folder in ["src", "tests", "web/src", "docs", "config", "docker", "openapi", "benches", "data"] {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+        if folder.is_dir() {
+            for path in sources(&folder) {
+                let text = fs::read_to_string(&path).unwrap();
+                assert!(!text.contains(concat!("/", "work/")) && !text.contains(concat!("/", "root/")), "{}", path.display());
+            }
+        }
+    }
+}

@@ -1,0 +1,103 @@
+import type { StyleSpecification } from 'maplibre-gl';
+
+/** The server's calls that the viewer uses. All addresses are relative: the page may live under a base path. */
+
+export type Json = string | number | boolean | null | Json[] | JsonObject;
+export type JsonObject = { [key: string]: Json };
+
+export interface CatalogEntry {
+  name: string;
+  title?: string;
+  revision: string;
+}
+
+/** One thing that is wrong with a document. `start` and `end` count Unicode scalar values of a programme's text. */
+export interface Fault {
+  pointer: string;
+  detail: string;
+  at?: string;
+  start?: number;
+  end?: number;
+}
+
+/** A stored document and the ETag it was stored under. */
+export interface Stored {
+  document: JsonObject;
+  etag: string;
+}
+
+/** The server refused: RFC 9457, or whatever stands between us and the server answered. */
+export class Problem extends Error {
+  constructor(
+    readonly status: number,
+    message: string,
+    readonly faults: Fault[] = [],
+  ) {
+    super(message);
+  }
+}
+
+/** No answer at all. */
+export class Unreachable extends Error {
+  constructor() {
+    super('The server does not answer.');
+  }
+}
+
+async function problem(response: Response): Promise<Problem> {
+  const plain = `The server answered ${response.status} ${response.statusText}`.trim() + '.';
+  try {
+    const body = (await response.json()) as { title?: string; detail?: string; errors?: Partial<Fault>[] };
+    const isFault = (entry: Partial<Fault>): entry is Fault => typeof entry.pointer === 'string';
+    const errors = body.errors ?? [];
+    // What is wrong with the request, not with the document, has no pointer and is simply said.
+    const said = errors.filter((entry) => !isFault(entry)).map(({ detail }) => detail);
+    return new Problem(response.status, [body.detail ?? body.title ?? plain, ...said].join(' '), errors.filter(isFault));
+  } catch {
+    return new Problem(response.status, plain);
+  }
+}
+
+async function request(path: string, init?: RequestInit): Promise<Response> {
+  let response: Response;
+  try {
+    response = await fetch(path, init);
+  } catch {
+    throw new Unreachable();
+  }
+  if (!response.ok) throw await problem(response);
+  return response;
+}
+
+const send = (method: string, document: JsonObject, headers: Record<string, string> = {}): RequestInit => ({
+  method,
+  headers: { 'Content-Type': 'application/json', ...headers },
+  body: JSON.stringify(document),
+});
+
+async function stored(response: Response): Promise<Stored> {
+  return { document: (await response.json()) as JsonObject, etag: response.headers.get('ETag') ?? '' };
+}
+
+export async function catalog(): Promise<CatalogEntry[]> {
+  const response = await request('catalog', { cache: 'no-cache' });
+  return ((await response.json()) as { worlds: CatalogEntry[] }).worlds;
+}
+
+export async function readWorld(name: string): Promise<Stored> {
+  return stored(await request(`worlds/${name}`, { cache: 'no-cache' }));
+}
+
+/** Saves over the revision `etag`; a Problem 412 says that another one has been saved since. */
+export async function saveWorld(name: string, document: JsonObject, etag: string): Promise<Stored> {
+  return stored(await request(`worlds/${name}`, send('PUT', document, etag ? { 'If-Match': etag } : {})));
+}
+
+export async function createWorld(name: string, document: JsonObject): Promise<void> {
+  await request(`worlds?name=${encodeURIComponent(name)}`, send('POST', document));
+}
+
+export async function readStyle(name: string): Promise<StyleSpecification> {
+  const response = await request(`worlds/${name}/style.json`, { cache: 'no-cache' });
+  return (await response.json()) as StyleSpecification;
+}

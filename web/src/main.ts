@@ -1,0 +1,7 @@
+import 'maplibre-gl/dist/maplibre-gl.css';
+import './base.css';
+import './stage.css';
+import './panel.css';
+import { Viewer } from './viewer.ts';
+
+void new Viewer().start();

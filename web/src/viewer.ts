@@ -1,0 +1,280 @@
+import { AttributionControl, GPUInitializationError, type ErrorEvent, type StyleSpecification } from 'maplibre-gl';
+import { Unreachable, catalog, readStyle, readWorld, type CatalogEntry } from './api.ts';
+import { ask } from './dialog.ts';
+import { Editor } from './editor.ts';
+import { STARTER } from './fields.ts';
+import { formatLink, parseLink, type Link } from './link.ts';
+import { TerrainMap, type View } from './map.ts';
+import { Notice } from './notice.ts';
+import { Readout } from './readout.ts';
+import { showScale } from './scale.ts';
+import { ViewControl } from './view-control.ts';
+
+/** What the server says when it is busy; it is asked again after a while. */
+const BUSY = [429, 503];
+const BUSY_WAIT_MS = 2000;
+
+function find<E extends HTMLElement>(selector: string): E {
+  const found = document.querySelector<E>(selector);
+  if (!found) throw new Error(`the page has no ${selector}`);
+  return found;
+}
+
+function message(error: unknown): string {
+  if (error instanceof GPUInitializationError) return 'This browser cannot draw the map: WebGL 2 is missing or switched off.';
+  return error instanceof Error ? error.message : String(error);
+}
+
+/** The page: one world on the map and in the form, the choice of worlds, and the link to the view. */
+export class Viewer {
+  readonly #stage = find('#stage');
+  readonly #select = find<HTMLSelectElement>('#world');
+  readonly #editButton = find<HTMLButtonElement>('#edit');
+  readonly #panel = find('#panel');
+  readonly #notice = new Notice(find('#notice'));
+  readonly #editor = new Editor(find<HTMLFormElement>('#editor'), {
+    saved: (name) => void this.#renew(name),
+    created: (name) => void this.#showCreated(name),
+  });
+  readonly #control = new ViewControl(find('#height'), (view) => this.#changeView(view));
+  #terrain: TerrainMap | undefined;
+  #world: string | undefined;
+  #opening = 0;
+  #retry: number | undefined;
+
+  async start(): Promise<void> {
+    this.#listen();
+    await this.#begin();
+  }
+
+  /** Reads the catalog and opens what the link says. Comes back here after a failure. */
+  async #begin(): Promise<void> {
+    this.#notice.info('Loading…');
+    let worlds: CatalogEntry[];
+    try {
+      worlds = await this.#readCatalog();
+    } catch (error) {
+      return this.#fail(error, () => void this.#begin());
+    }
+    const link = parseLink(location.hash);
+    const first = worlds[0];
+    if (!first) return this.#offerFirst();
+    const wanted = worlds.find(({ name }) => name === link.world);
+    await this.#open((wanted ?? first).name, wanted || !link.world ? link : { ...link, camera: undefined });
+    if (link.world && !wanted) this.#notice.error(`There is no world "${link.world}" here. This is another one.`);
+  }
+
+  async #readCatalog(): Promise<CatalogEntry[]> {
+    const worlds = await catalog();
+    const options = worlds.map(({ name, title }) => new Option(title || name, name));
+    this.#select.replaceChildren(...options);
+    this.#select.disabled = worlds.length === 0;
+    if (this.#world) this.#select.value = this.#world;
+    return worlds;
+  }
+
+  /** An empty server: the form makes the first world. */
+  #offerFirst(): void {
+    this.#stage.removeAttribute('aria-busy');
+    this.#select.replaceChildren(new Option('No worlds yet'));
+    this.#notice.info('This server has no worlds yet. The form makes the first one.');
+    this.#editor.load(undefined, { document: STARTER, etag: '' });
+    this.#editButton.disabled = false;
+    this.#showPanel(true);
+  }
+
+  async #open(name: string, view: View): Promise<void> {
+    const opening = ++this.#opening;
+    this.#select.value = name;
+    this.#stage.setAttribute('aria-busy', 'true');
+    try {
+      const [stored, style] = await Promise.all([readWorld(name), readStyle(name)]);
+      if (opening !== this.#opening) return; // another world was chosen meanwhile
+      this.#world = name;
+      this.#editor.load(name, stored);
+      this.#editButton.disabled = false;
+      this.#notice.clear();
+      this.#showStyle(style, view);
+    } catch (error) {
+      if (opening !== this.#opening) return;
+      if (this.#world) this.#select.value = this.#world; // that is still the one shown
+      this.#fail(error, () => void this.#open(name, view));
+    }
+  }
+
+  #showStyle(style: StyleSpecification, view: View): void {
+    document.title = `${this.#select.selectedOptions[0]?.text ?? this.#world} · Terrane`;
+    if (this.#terrain) {
+      this.#terrain.show(style, view);
+    } else {
+      this.#terrain = new TerrainMap(find('#map'), style, view);
+      this.#attach(this.#terrain);
+    }
+    this.#control.show(this.#terrain.tilted, this.#terrain.exaggeration);
+    this.#writeLink();
+  }
+
+  #attach(terrain: TerrainMap): void {
+    const { map } = terrain;
+    map.addControl(this.#control, 'top-right');
+    map.addControl(new AttributionControl({ compact: true }), 'top-right');
+    map.getCanvas().setAttribute('aria-label', 'Map of the terrain: arrow keys move, plus and minus zoom, Shift with arrows turns and tilts');
+    map.on('dataloading', () => this.#stage.setAttribute('aria-busy', 'true'));
+    map.on('idle', () => {
+      if (!terrain.renewing) this.#stage.removeAttribute('aria-busy');
+    });
+    map.on('moveend', () => this.#writeLink());
+    map.on('error', (event) => this.#mapFailed(event));
+    new Readout(find('#readout'), terrain);
+    showScale(map, find('#scale'));
+  }
+
+  /** Puts the newest revision of the world on the map, seen from where we are. */
+  async #renew(name: string): Promise<void> {
+    this.#stage.setAttribute('aria-busy', 'true');
+    try {
+      const [style] = await Promise.all([readStyle(name), this.#readCatalog()]);
+      if (name !== this.#world) return;
+      this.#notice.clear();
+      this.#terrain?.renew(style);
+      document.title = `${this.#select.selectedOptions[0]?.text ?? name} · Terrane`;
+    } catch (error) {
+      this.#fail(error, () => void this.#renew(name));
+    }
+  }
+
+  async #showCreated(name: string): Promise<void> {
+    try {
+      await this.#readCatalog();
+      await this.#open(name, this.#currentView());
+    } catch (error) {
+      this.#fail(error, () => void this.#showCreated(name));
+    }
+  }
+
+  /** Tries again what the map could not get, once the server is there again. */
+  async #recover(): Promise<void> {
+    this.#notice.info('Trying again…');
+    try {
+      await this.#readCatalog();
+      this.#notice.clear();
+      this.#terrain?.reload();
+    } catch (error) {
+      this.#fail(error, () => void this.#recover());
+    }
+  }
+
+  #fail(error: unknown, retry: () => void): void {
+    this.#stage.removeAttribute('aria-busy');
+    this.#notice.error(message(error), { label: 'Try again', run: retry });
+  }
+
+  #mapFailed(event: ErrorEvent): void {
+    const { error } = event;
+    // MapLibre's request errors have a status, 0 when there was no answer.
+    const status = (error as { status?: number }).status;
+    if (status !== undefined && BUSY.includes(status)) return this.#waitAndReload();
+    const lost = status === 0 ? new Unreachable().message : `Parts of the map could not be loaded (${status}).`;
+    this.#notice.error(status === undefined ? message(error) : lost, {
+      label: 'Try again',
+      run: () => void this.#recover(),
+    });
+  }
+
+  #waitAndReload(): void {
+    this.#notice.info('The server is busy. Some tiles come later.');
+    this.#retry ??= window.setTimeout(() => {
+      this.#retry = undefined;
+      this.#notice.clear('info');
+      this.#terrain?.reload();
+    }, BUSY_WAIT_MS);
+  }
+
+  #currentView(): View {
+    const terrain = this.#terrain;
+    return terrain
+      ? { camera: terrain.camera, tilted: terrain.tilted, exaggeration: terrain.exaggeration }
+      : parseLink(location.hash);
+  }
+
+  #changeView({ tilted, exaggeration }: { tilted?: boolean; exaggeration?: number }): void {
+    const terrain = this.#terrain;
+    if (!terrain) return;
+    if (exaggeration !== undefined) terrain.setExaggeration(exaggeration);
+    if (tilted !== undefined) terrain.setTilted(tilted);
+    this.#control.show(terrain.tilted, terrain.exaggeration);
+    this.#writeLink();
+  }
+
+  #writeLink(): void {
+    if (!this.#world) return;
+    const hash = formatLink({ world: this.#world, ...this.#currentView() });
+    // Replaced, not added: the way back leads out of the map, not through every move.
+    if (hash !== location.hash) history.replaceState(history.state, '', hash);
+  }
+
+  /** Somebody pasted another link into the address bar. */
+  async #followLink(): Promise<void> {
+    const link = parseLink(location.hash);
+    if (link.world && link.world !== this.#world) return this.#choose(link.world, link);
+    if (!this.#terrain || !link.camera) return;
+    this.#terrain.moveTo(link);
+    this.#control.show(link.tilted, link.exaggeration);
+  }
+
+  async #choose(name: string, link?: Link): Promise<void> {
+    if (this.#editor.changed && !(await this.#mayDiscard())) {
+      if (this.#world) this.#select.value = this.#world;
+      return this.#writeLink();
+    }
+    const view = this.#currentView();
+    await this.#open(name, link ?? { tilted: view.tilted, exaggeration: view.exaggeration });
+  }
+
+  async #mayDiscard(): Promise<boolean> {
+    const reply = await ask({
+      title: 'Discard your changes?',
+      text: `What you changed in ${this.#world ?? 'the form'} has not been saved.`,
+      answers: [
+        { id: 'discard', label: 'Discard' },
+        { id: 'keep', label: 'Keep editing', primary: true },
+      ],
+    });
+    return reply?.answer === 'discard';
+  }
+
+  #showPanel(open: boolean): void {
+    this.#panel.hidden = !open;
+    this.#editButton.setAttribute('aria-expanded', String(open));
+    if (open) this.#panel.querySelector<HTMLElement>('textarea')?.focus({ preventScroll: true });
+    else this.#editButton.focus();
+  }
+
+  #listen(): void {
+    this.#select.addEventListener('change', () => void this.#choose(this.#select.value));
+    this.#editButton.addEventListener('click', () => this.#showPanel(Boolean(this.#panel.hidden)));
+    find('#close').addEventListener('click', () => this.#showPanel(false));
+    this.#panel.addEventListener('keydown', (event) => {
+      if (event.key === 'Escape') this.#showPanel(false);
+    });
+    window.addEventListener('hashchange', () => void this.#followLink());
+    window.addEventListener('beforeunload', (event) => {
+      if (this.#editor.changed) event.preventDefault();
+    });
+    find('.skip').addEventListener('click', (event) => {
+      event.preventDefault(); // the hash is the link's
+      this.#terrain?.map.getCanvas().focus();
+    });
+    document.addEventListener('keydown', (event) => this.#shortcut(event));
+  }
+
+  #shortcut(event: KeyboardEvent): void {
+    const typing = event.target instanceof Element && event.target.closest('input, textarea, select, dialog');
+    if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === 't' || event.key === 'T') this.#control.toggle();
+    else if ((event.key === 'e' || event.key === 'E') && !this.#editButton.disabled) {
+      event.preventDefault(); // or the letter would land in the form
+      this.#showPanel(Boolean(this.#panel.hidden));
+    }
+  }
+}
