@@ -1,6 +1,6 @@
 //! Nanoseconds a sample of noise and programmes, 512 × 512 samples on one thread, beside the point-by-point reference and two peers on the same kind of field:
 //! base wavelength 256 samples, 8 octaves, lacunarity 2, gain 0.5.
-#![expect(missing_docs, reason = "a benchmark is no interface, and says what is wrong by failing")]
+#![expect(clippy::unwrap_used, reason = "a benchmark says what is wrong by failing")]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fastnoise_lite::{CellularDistanceFunction, CellularReturnType, FastNoiseLite, FractalType, NoiseType};

@@ -1,6 +1,6 @@
 //! Over loopback: milliseconds of a 256-pixel tile cold and warm, and requests a second for a cached tile beside a handler of the same route that returns the
 //! same bytes with the same headers and does nothing else. Rounds alternate, so that drift of the machine falls on both.
-#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "a benchmark is no interface: it says what is wrong by failing, and prints what it measured")]
+#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "a benchmark says what is wrong by failing, and prints what it measured")]
 
 use axum::{Router, body::Bytes, http::header, response::IntoResponse, routing::get};
 use std::time::{Duration, Instant};
