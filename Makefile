@@ -37,7 +37,7 @@ unit: viewer
 # The viewer in a real browser against the real program.
 browser: viewer
 	$(CARGO) build --release
-	tests/browser/run
+	TERRANE_BIN="$${CARGO_TARGET_DIR:-$(CURDIR)/target}/release/terrane" tests/browser/run
 
 # The long forms: hours of what `make test` does in seconds.
 soak:
