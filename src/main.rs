@@ -161,15 +161,15 @@ fn world(name: &str, data: Option<&Path>) -> anyhow::Result<World> {
         return Ok(World::new(parse(&json, name)?));
     }
     let folder = data.map_or_else(|| config(None).map(|config| config.server.data), |data| Ok(data.to_path_buf()))?;
-    if !folder.is_dir() {
-        bail!("there is no file {name}, and no folder {} of stored worlds", folder.display());
+    if !folder.join("terrane.sqlite").is_file() {
+        bail!("there is no file {name}, and no worlds are stored in {}", folder.display());
     }
-    let worlds = runtime()?.block_on(async { Store::open(&folder).await?.worlds().await })?;
+    let worlds = runtime()?.block_on(async { Store::open_read_only(&folder).await?.worlds().await })?;
     let names: Vec<_> = worlds.iter().map(|world| world.name.as_str()).collect();
     let Some(stored) = worlds.iter().find(|world| world.name == name) else {
         bail!("{name} is neither a file nor one of the worlds in {}: {}", folder.display(), names.join(", "));
     };
-    Ok(World::new(parse(stored.body.as_bytes(), name)?))
+    Ok(World::new(Document::parse_stored(stored.body.as_bytes())?))
 }
 
 fn render(arguments: &RenderArguments) -> anyhow::Result<()> {

@@ -34,21 +34,48 @@ fn sine_cosine(r: f64) -> (f64, f64) {
     (sine, cosine)
 }
 
+/// 2/π after 32 zero bits.
+const TWO_OVER_PI: [u32; 9] = [0, 0xa2f9_836e, 0x4e44_1529, 0xfc27_57d1, 0xf534_ddc0, 0xdb62_9599, 0x3c43_9041, 0xfe51_63ab, 0xdebb_c561];
+
+/// x as a multiple of π/2 (mod 4) and the rest, |x| > [`SMALL`] and finite.
+///
+/// M. H. Payne and R. N. Hanek, "Radian reduction for trigonometric functions" (1983): with x = m · 2^e, the bits of 2/π that make whole turns of m are left
+/// out, and of the rest 96 suffice.
+fn reduce_large(x: f32) -> (u32, f64) {
+    let bits = x.to_bits();
+    let (m, e) = ((bits & 0x7f_ffff) | 0x80_0000, ((bits >> 23) & 0xff) as i32 - 150);
+    let from = (32 + e - 2) as usize;
+    let words = TWO_OVER_PI[from / 32..][..4].iter().fold(0_u128, |bits, word| bits << 32 | u128::from(*word));
+    let window = (words << (from % 32)) >> 32;
+    let turns = (u128::from(m) * window) >> 32;
+    // The two bits above the point count quadrants; what is below, read with its sign, is the nearest quadrant's rest.
+    let turns = turns as u64;
+    let quadrant = (turns.wrapping_add(1 << 61) >> 62) as u32;
+    let rest = ((turns << 2) as i64) as f64 * (FRAC_PI_2 / 18_446_744_073_709_551_616.0);
+    if x.is_sign_negative() { (quadrant.wrapping_neg() & 3, -rest) } else { (quadrant, rest) }
+}
+
 /// x as a multiple of π/2 (mod 4) and the rest, |x| ≤ [`SMALL`].
 #[inline(always)]
-fn reduce(x: f32) -> (u32, f64) {
+fn reduce_small(x: f32) -> (u32, f64) {
     let x = f64::from(x);
     let quotient = round(x / FRAC_PI_2);
     let rest = (x - quotient * HALF_PI_HIGH) - quotient * HALF_PI_LOW;
     (quotient as i32 as u32 & 3, rest)
 }
 
+/// x as a multiple of π/2 (mod 4) and the rest; x is finite.
+#[inline(always)]
+fn reduce(x: f32) -> (u32, f64) {
+    if x.abs() <= SMALL { reduce_small(x) } else { reduce_large(x) }
+}
+
 /// The sine of x radians; not a number if x is not finite.
 #[inline]
 #[must_use]
 pub fn sin(x: f32) -> f32 {
-    if x.is_nan() || x.abs() > SMALL {
-        return libm::sin(x.into()) as f32;
+    if !x.is_finite() {
+        return f32::NAN;
     }
     let (quadrant, rest) = reduce(x);
     let (sine, cosine) = sine_cosine(rest);
@@ -60,8 +87,8 @@ pub fn sin(x: f32) -> f32 {
 #[inline]
 #[must_use]
 pub fn cos(x: f32) -> f32 {
-    if x.is_nan() || x.abs() > SMALL {
-        return libm::cos(x.into()) as f32;
+    if !x.is_finite() {
+        return f32::NAN;
     }
     let (quadrant, rest) = reduce(x);
     let (sine, cosine) = sine_cosine(rest);
@@ -73,8 +100,8 @@ pub fn cos(x: f32) -> f32 {
 #[inline]
 #[must_use]
 pub fn tan(x: f32) -> f32 {
-    if x.is_nan() || x.abs() > SMALL {
-        return libm::tan(x.into()) as f32;
+    if !x.is_finite() {
+        return f32::NAN;
     }
     let (quadrant, rest) = reduce(x);
     let (sine, cosine) = sine_cosine(rest);

@@ -20,8 +20,19 @@ impl ParseError {
     }
 }
 
+/// Names longer than this are no misspelling of ours, and are not repeated whole.
+const LONGEST_NAME: usize = 64;
+
+/// A name as an error repeats it.
+pub(super) fn shortened(name: &str) -> String {
+    if name.chars().count() <= LONGEST_NAME { name.to_owned() } else { name.chars().take(LONGEST_NAME).chain(['…']).collect() }
+}
+
 /// ` (did you mean "…"?)` for the candidate that is nearest to a misspelt name, or nothing.
 pub(super) fn suggestion<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> String {
+    if name.len() > LONGEST_NAME {
+        return String::new();
+    }
     candidates
         .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
         .min()

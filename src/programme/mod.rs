@@ -63,9 +63,7 @@ impl Programme {
     /// # Errors
     /// If the text is not a programme or breaks a limit; the error names the place.
     pub fn parse(text: &str) -> Result<Self, ParseError> {
-        let root = resolve::resolve(&text::parse(text)?)?;
-        cost::check(&root)?;
-        Ok(Self { root, text: Some(text.to_owned()) })
+        Ok(Self { root: resolve::resolve(&text::parse(text)?)?, text: Some(text.to_owned()) })
     }
 
     /// Reads a programme in JSON: a tree, or a string that holds programme text.
@@ -75,11 +73,7 @@ impl Programme {
     pub fn parse_json(json: &str) -> Result<Self, ParseError> {
         match json::parse(json)? {
             json::Document::Text(text) => Self::parse(&text),
-            json::Document::Tree(tree) => {
-                let root = resolve::resolve(&tree)?;
-                cost::check(&root)?;
-                Ok(Self { root, text: None })
-            }
+            json::Document::Tree(tree) => Ok(Self { root: resolve::resolve(&tree)?, text: None }),
         }
     }
 
@@ -93,6 +87,14 @@ impl Programme {
     #[must_use]
     pub fn text(&self) -> Option<&str> {
         self.text.as_deref()
+    }
+
+    /// Checks the predicted cost, as is done when a programme is saved.
+    ///
+    /// # Errors
+    /// If the cost is above [`COST_LIMIT_NS`].
+    pub fn check_cost(&self) -> Result<(), ParseError> {
+        cost::check(&self.root)
     }
 
     /// The canonical JSON tree.

@@ -2,7 +2,7 @@
 
 use super::{
     MAX_DEPTH, MAX_NODES,
-    error::{ParseError, suggestion},
+    error::{ParseError, shortened, suggestion},
     node::{Node, Value},
     operation::{Choice, MAX_SEED, Operation, Parameter, Signature},
     syntax::{Call, Kind, Syntax},
@@ -53,7 +53,7 @@ fn node(call: &Call, syntax: &Syntax, at: &str) -> Result<Node, ParseError> {
 fn unknown(call: &Call, at: &str) -> ParseError {
     let kind = if call.positional.is_empty() && call.named.is_empty() { "name" } else { "function" };
     let near = suggestion(&call.name, Signature::all().iter().map(|signature| signature.name));
-    ParseError::new(at, call.name_span.clone(), format!("unknown {kind} \"{}\"{near}", call.name))
+    ParseError::new(at, call.name_span.clone(), format!("unknown {kind} \"{}\"{near}", shortened(&call.name)))
 }
 
 /// The arguments of a call beside what its signature wants.
@@ -89,7 +89,7 @@ impl<'a> Arguments<'a> {
             let place = format!("{}/{}", self.at, named.name);
             let Some(position) = self.names().position(|name| name == named.name) else {
                 let near = suggestion(&named.name, self.names());
-                let message = format!("{} has no argument \"{}\"{near}: {}", self.signature.name, named.name, self.signature.usage());
+                let message = format!("{} has no argument \"{}\"{near}: {}", self.signature.name, shortened(&named.name), self.signature.usage());
                 return Err(ParseError::new(place, named.name_span.clone(), message));
             };
             if position < self.call.positional.len() || self.call.named[..i].iter().any(|other| other.name == named.name) {
@@ -126,7 +126,7 @@ impl<'a> Arguments<'a> {
         };
         choice.values.iter().position(|value| *value == written).ok_or_else(|| {
             let near = suggestion(&written, choice.values.iter().copied());
-            let message = format!("{} must be one of {}, got \"{written}\"{near}", choice.name, choice.values.join(", "));
+            let message = format!("{} must be one of {}, got \"{}\"{near}", choice.name, choice.values.join(", "), shortened(&written));
             ParseError::new(place, argument.span.clone(), message)
         })
     }

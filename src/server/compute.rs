@@ -16,8 +16,8 @@ pub(super) struct Compute(rayon::ThreadPool);
 
 impl Compute {
     /// Starts `threads` threads; 0 for one a processor.
-    pub(super) fn new(threads: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("compute-{i}")).build().map(Self)
+    pub(super) fn new(name: &'static str, threads: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(move |i| format!("{name}-{i}")).build().map(Self)
     }
 
     /// Runs a task on the pool; `done` gets its result there, whether or not somebody still waits.

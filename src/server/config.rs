@@ -6,8 +6,8 @@ use std::{net::SocketAddr, path::PathBuf};
 /// Prefix of environment variables: `TERRANE_SERVER__LISTEN` is `listen` in `[server]`.
 const PREFIX: &str = "TERRANE_";
 
-/// Variables with the prefix that are not configuration.
-const OTHERS: [&str; 3] = ["TERRANE_BIN", "TERRANE_LOG", "TERRANE_SKIP_BROWSER"];
+/// What joins section and key in a variable's name. Variables without it are not ours, prefix or not: container platforms set `TERRANE_PORT` and the like.
+const JOINT: &str = "__";
 
 /// All configuration of `terrane serve`.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -53,8 +53,8 @@ pub struct CacheConfig {
 pub struct LimitsConfig {
     /// Bytes of a world document, 1 … 16777216.
     pub world_bytes: usize,
-    /// Tiles waiting for evaluation before new ones are refused with 503, 1 … 1000000.
-    pub pending_tiles: usize,
+    /// Seconds of predicted evaluation waiting before new tiles are refused with 503, 1 … 3600.
+    pub pending_seconds: u64,
 }
 
 impl Default for ServerConfig {
@@ -72,7 +72,7 @@ impl Default for CacheConfig {
 
 impl Default for LimitsConfig {
     fn default() -> Self {
-        Self { world_bytes: 1_048_576, pending_tiles: 512 }
+        Self { world_bytes: 1_048_576, pending_seconds: 20 }
     }
 }
 
@@ -90,7 +90,7 @@ impl Config {
         let mut table: toml::Table = toml.parse().map_err(|error: toml::de::Error| ConfigError(vec![error.to_string().trim_end().to_owned()]))?;
         let mut problems = Vec::new();
         for (name, value) in environment {
-            if let Some(path) = name.strip_prefix(PREFIX).filter(|_| !OTHERS.contains(&name.as_str()))
+            if let Some(path) = name.strip_prefix(PREFIX).filter(|path| path.contains(JOINT))
                 && let Err(problem) = overlay(&mut table, &name, path, &value)
             {
                 problems.push(problem);
@@ -128,7 +128,7 @@ impl Config {
         range("server.drain_seconds", self.server.drain_seconds, 0, 3600);
         range("cache.old_revisions", self.cache.old_revisions as u64, 1, 100_000);
         range("limits.world_bytes", self.limits.world_bytes as u64, 1, 16_777_216);
-        range("limits.pending_tiles", self.limits.pending_tiles as u64, 1, 1_000_000);
+        range("limits.pending_seconds", self.limits.pending_seconds, 1, 3600);
         let url = &self.server.public_url;
         if !(url.is_empty() || url.parse::<axum::http::Uri>().is_ok_and(|uri| uri.host().is_some() && matches!(uri.scheme_str(), Some("http" | "https")))) {
             problems.push(format!("server.public_url: must be an http or https URL, got {url:?}"));
@@ -141,9 +141,7 @@ impl Config {
 fn overlay(table: &mut toml::Table, name: &str, path: &str, value: &str) -> Result<(), String> {
     let path = path.to_lowercase();
     let known = toml::Table::try_from(Config::default()).unwrap_or_default();
-    let Some((section, key)) = path.split_once("__") else {
-        return Err(format!("{name}: no such variable; sections and keys are joined as in TERRANE_SERVER__LISTEN"));
-    };
+    let (section, key) = path.split_once(JOINT).unwrap_or((&path, ""));
     let Some(default) = known.get(section).and_then(|section| section.get(key)) else { return Err(format!("{name}: there is no key {key} in [{section}]")) };
     let parsed = match default {
         toml::Value::Integer(_) => {
@@ -179,7 +177,7 @@ mod tests {
 
     #[test]
     fn the_environment_comes_over_the_file() {
-        check("", &[("HOME", "/"), ("TERRANE_LOG", "debug")], "127.0.0.1:8080 268435456");
+        check("", &[("HOME", "/"), ("TERRANE_LOG", "debug"), ("TERRANE_PORT", "tcp://10.0.0.1:80")], "127.0.0.1:8080 268435456");
         check("[server]\nlisten = \"127.0.0.1:1\"", &[("TERRANE_SERVER__LISTEN", "0.0.0.0:99"), ("TERRANE_CACHE__TILE_BYTES", "5")], "0.0.0.0:99 5");
     }
 
@@ -197,8 +195,8 @@ mod tests {
         );
         check(
             "",
-            &[("TERRANE_LISTEN", "1"), ("TERRANE_CACHE__TILE_BYTES", "many")],
-            "configuration:\n  TERRANE_LISTEN: no such variable; sections and keys are joined as in TERRANE_SERVER__LISTEN\n  TERRANE_CACHE__TILE_BYTES: must be a whole number, got \"many\" (invalid digit found in string)",
+            &[("TERRANE_CACHES__TILE_BYTES", "1"), ("TERRANE_CACHE__TILE_BYTES", "many")],
+            "configuration:\n  TERRANE_CACHES__TILE_BYTES: there is no key tile_bytes in [caches]\n  TERRANE_CACHE__TILE_BYTES: must be a whole number, got \"many\" (invalid digit found in string)",
         );
         assert!(Config::load("[server", std::iter::empty()).is_err());
     }

@@ -33,7 +33,7 @@ pub(super) enum ApiError {
     Invalid(Vec<Entry>),
     /// A web page of another origin tries to write.
     CrossSite,
-    /// The server listens where strangers reach it, and cannot tell who may write.
+    /// The request may come from another machine, and the server cannot tell who may write.
     ReadOnly,
     /// More work waits than the server takes.
     Overloaded,
@@ -79,7 +79,8 @@ impl ApiError {
                 (StatusCode::FORBIDDEN, "cross-site", detail.to_owned(), Vec::new())
             }
             ApiError::ReadOnly => {
-                let detail = "This server listens on an address that other machines reach, so it only reads: this version has no keys to tell who may write.";
+                let detail =
+                    "Worlds are written on the server's own machine alone (http://localhost:PORT, no proxy): this version has no keys to tell who else may.";
                 (StatusCode::FORBIDDEN, "read-only", detail.to_owned(), Vec::new())
             }
             ApiError::Overloaded => (StatusCode::SERVICE_UNAVAILABLE, "overloaded", "Too many tiles are waiting; try again shortly.".to_owned(), Vec::new()),
@@ -125,7 +126,9 @@ impl From<StoreError> for ApiError {
         match error {
             StoreError::UnknownWorld(_) => ApiError::absent("world", error.to_string()),
             StoreError::Condition(_) => ApiError::PreconditionFailed(error.to_string()),
-            StoreError::Folder { .. } | StoreError::Newer { .. } | StoreError::Database(_) => ApiError::internal("the store failed", &error),
+            StoreError::Folder { .. } | StoreError::InUse(_) | StoreError::Newer { .. } | StoreError::Database(_) => {
+                ApiError::internal("the store failed", &error)
+            }
         }
     }
 }

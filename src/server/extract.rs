@@ -19,7 +19,7 @@ use std::{collections::HashMap, sync::Arc};
 async fn path(parts: &mut Parts) -> Result<HashMap<String, String>, ApiError> {
     match Path::<HashMap<String, String>>::from_request_parts(parts, &()).await {
         Ok(Path(parameters)) => Ok(parameters),
-        Err(_) => Err(ApiError::BadRequest("The path is not UTF-8.".to_owned(), Vec::new())),
+        Err(_) => Err(ApiError::NotFound("There is nothing at a path that is not UTF-8.".to_owned(), Vec::new())),
     }
 }
 
@@ -50,7 +50,11 @@ impl WorldName {
     pub(super) fn parse(name: &str) -> Result<Self, String> {
         let plain = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit();
         let valid = name.len() <= 63 && name.bytes().next().is_some_and(plain) && name.bytes().all(|b| plain(b) || b == b'-');
-        if valid { Ok(Self(name.to_owned())) } else { Err(format!("a name is 1 to 63 of a … z, 0 … 9 and -, the first not -; got {name:?}")) }
+        if valid {
+            return Ok(Self(name.to_owned()));
+        }
+        let shown: String = name.chars().take(64).collect();
+        Err(format!("a name is 1 to 63 of a … z, 0 … 9 and -, the first not -; got {shown:?}{}", if shown.len() < name.len() { "…" } else { "" }))
     }
 }
 
@@ -77,6 +81,9 @@ impl FromRequestParts<App> for WorldAt {
         let segment = path(parts).await?.remove("world").unwrap_or_default();
         let worlds = &app.0.worlds;
         let unknown = |name: &str| {
+            if let Err(detail) = WorldName::parse(name) {
+                return ApiError::absent("world", detail);
+            }
             let near = nearest(name, worlds.all().keys().map(String::as_str)).map_or_else(String::new, |near| format!(" (did you mean {near:?}?)"));
             ApiError::absent("world", format!("no world is named {name:?}{near}"))
         };
@@ -171,7 +178,12 @@ fn parse_zoom(z: &str) -> Result<u8, ApiError> {
 }
 
 fn parse_index(name: &str, text: &str) -> Result<i64, ApiError> {
-    text.parse().ok().ok_or_else(|| ApiError::parameter(name, format!("must be a whole number, got {text:?}")))
+    let digits = text.strip_prefix('-').unwrap_or(text);
+    if digits.is_empty() || digits.len() > 64 || !digits.bytes().all(|b| b.is_ascii_digit()) {
+        return Err(ApiError::parameter(name, format!("must be a whole number, got {:?}", text.chars().take(64).collect::<String>())));
+    }
+    // What does not fit is beyond the plane as well, which the grid says better.
+    Ok(text.parse().unwrap_or(if text.starts_with('-') { i64::MIN } else { i64::MAX }))
 }
 
 /// Row, samples and extension: `5.png`, `5@2x.png`, `5@257.bin`.
@@ -198,12 +210,17 @@ impl FromRequestParts<App> for WriteCondition {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
-        let tags = |name| entity_tags(&parts.headers, name);
-        Ok(Self(match (tags(header::IF_MATCH), tags(header::IF_NONE_MATCH)) {
-            (None, None) => Condition::Any,
-            (Some(tags), None) if tags == ["*"] => Condition::Present,
-            (Some(tags), None) => Condition::At(tags.iter().map(|tag| tag.trim_matches('"').to_owned()).collect()),
-            (None, Some(tags)) if tags == ["*"] => Condition::Absent,
+        let tags = |name| entity_tags(&parts.headers, name).ok_or_else(|| ApiError::BadRequest("An entity tag is not readable.".to_owned(), Vec::new()));
+        let (matching, other) = (tags(header::IF_MATCH)?, tags(header::IF_NONE_MATCH)?);
+        if matching.iter().any(|tag| tag.starts_with("W/")) {
+            let detail = "If-Match compares strong entity tags; W/… was weakened on the way, by a proxy that compresses: use the revision itself, in quotes.";
+            return Err(ApiError::BadRequest(detail.to_owned(), Vec::new()));
+        }
+        Ok(Self(match (matching, other) {
+            (matching, other) if matching.is_empty() && other.is_empty() => Condition::Any,
+            (tags, other) if other.is_empty() && tags == ["*"] => Condition::Present,
+            (tags, other) if other.is_empty() => Condition::At(tags.iter().map(|tag| tag.trim_matches('"').to_owned()).collect()),
+            (matching, tags) if matching.is_empty() && tags == ["*"] => Condition::Absent,
             _ => {
                 let detail = "Writes understand one of If-Match: \"<revision>\", If-Match: * and If-None-Match: *.";
                 return Err(ApiError::BadRequest(detail.to_owned(), Vec::new()));
@@ -212,11 +229,10 @@ impl FromRequestParts<App> for WriteCondition {
     }
 }
 
-/// The comma-separated entity tags of a header, as they are written; `None` without the header.
+/// The comma-separated entity tags of a header, as they are written; `None` if one is not visible ASCII.
 pub(super) fn entity_tags(headers: &HeaderMap, name: header::HeaderName) -> Option<Vec<String>> {
-    let values = headers.get_all(name);
-    let mut tags = values.iter().filter_map(|value| value.to_str().ok()).flat_map(|value| value.split(',')).map(|tag| tag.trim().to_owned()).peekable();
-    tags.peek().is_some().then(|| tags.collect())
+    let values: Option<Vec<&str>> = headers.get_all(name).iter().map(|value| value.to_str().ok()).collect();
+    Some(values?.into_iter().flat_map(|value| value.split(',')).map(|tag| tag.trim().to_owned()).filter(|tag| !tag.is_empty()).collect())
 }
 
 /// A request's body, at most as long as a world document may be.

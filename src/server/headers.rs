@@ -1,10 +1,11 @@
 //! Validators and caching.
 
-use super::extract::entity_tags;
+use super::{error::ApiError, extract::entity_tags};
 use axum::{
     http::{HeaderMap, HeaderValue, StatusCode, header},
     response::{IntoResponse, Response},
 };
+use sha2::{Digest, Sha256};
 
 /// How long an answer holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +27,16 @@ impl Freshness {
             Freshness::Revalidate => "no-cache",
         })
     }
+}
+
+/// A JSON answer whose entity tag is the hash of its bytes, or 304 if the client has them.
+pub(super) fn json(request: &HeaderMap, body: &impl serde::Serialize, freshness: Freshness) -> Result<Response, ApiError> {
+    let bytes = serde_json::to_vec(body).map_err(|error| ApiError::internal("writing JSON", &error))?;
+    let tag: String = Sha256::digest(&bytes).iter().take(16).map(|byte| format!("{byte:02x}")).collect();
+    if is_fresh(request, &tag) {
+        return Ok(not_modified(&tag, freshness));
+    }
+    Ok(tagged(([(header::CONTENT_TYPE, "application/json")], bytes), &tag, freshness))
 }
 
 /// Whether the request's `If-None-Match` holds the entity tag, so that 304 answers it.

@@ -9,11 +9,11 @@ use super::{
 use axum::{
     Router,
     extract::{DefaultBodyLimit, Request, State},
-    http::{HeaderValue, Method, header},
+    http::{HeaderMap, HeaderValue, Method, header, uri::Authority},
     middleware::{self, Next},
     response::{IntoResponse, Response},
 };
-use std::any::Any;
+use std::{any::Any, net::IpAddr};
 use tower_http::{
     catch_panic::CatchPanicLayer,
     cors::{Any as AnyOrigin, CorsLayer},
@@ -74,18 +74,39 @@ pub fn router(app: App) -> Router {
         .with_state(app)
 }
 
-/// Refuses writes on an address that others reach, and those that a browser says come from a page of another site: reads are open to all, a user's worlds
-/// are not theirs to change.
+/// Refuses writes that may come from another machine, or that a browser makes for a page of another site: reads are open to all, a user's worlds are not
+/// theirs to change.
 async fn guard_writes(State(app): State<App>, request: Request, next: Next) -> Response {
     if matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS) {
         return next.run(request).await;
     }
-    let site = request.headers().get("sec-fetch-site").map(HeaderValue::as_bytes);
-    match (app.0.writable, site) {
-        (false, _) => ApiError::ReadOnly.into_response(),
-        (true, None | Some(b"same-origin" | b"none")) => next.run(request).await,
-        (true, Some(_)) => ApiError::CrossSite.into_response(),
+    if !app.0.writable || !is_local(request.headers()) {
+        return ApiError::ReadOnly.into_response();
     }
+    if is_cross_site(request.headers()) {
+        return ApiError::CrossSite.into_response();
+    }
+    next.run(request).await
+}
+
+/// Whether a request was made to this machine by its own name and came through no proxy. A name that merely resolves to this machine may be a stranger's.
+fn is_local(headers: &HeaderMap) -> bool {
+    let proxied = ["forwarded", "via", "x-forwarded-for", "x-forwarded-host", "x-forwarded-proto", "x-real-ip"].iter().any(|name| headers.contains_key(*name));
+    let authority = headers.get(header::HOST).and_then(|host| host.to_str().ok()).and_then(|host| host.parse::<Authority>().ok());
+    let loopback = authority.is_some_and(|authority| {
+        let host = authority.host();
+        host == "localhost" || host.trim_matches(['[', ']']).parse::<IpAddr>().is_ok_and(|address| address.is_loopback())
+    });
+    loopback && !proxied
+}
+
+/// Whether a browser says that the page behind a request is not one of this server's.
+fn is_cross_site(headers: &HeaderMap) -> bool {
+    let site = headers.get("sec-fetch-site").map(HeaderValue::as_bytes);
+    let host = headers.get(header::HOST).map(HeaderValue::as_bytes);
+    let origin = headers.get(header::ORIGIN).map(HeaderValue::as_bytes);
+    let own = origin.is_none_or(|origin| host.is_some_and(|host| origin.strip_prefix(b"http://") == Some(host)));
+    !own || !matches!(site, None | Some(b"same-origin" | b"none"))
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "the layer hands the payload over")]

@@ -22,11 +22,12 @@ pub struct App(pub(super) Arc<AppState>);
 pub(super) struct AppState {
     pub worlds: Worlds,
     pub tiles: Tiles,
-    pub compute: Arc<Compute>,
+    /// Threads for single points and first looks at worlds, so that these do not wait behind tiles.
+    pub queries: Arc<Compute>,
     /// Without a slash at its end; empty: from each request's Host header.
     pub public_url: String,
     pub world_bytes: usize,
-    /// Whether worlds can be written: only where no other machine reaches the server.
+    /// Whether worlds can be written: only where no other machine is meant to reach the server.
     pub writable: bool,
     draining: AtomicBool,
 }
@@ -60,17 +61,18 @@ impl App {
     /// If the store cannot be opened or holds what this version cannot read, or threads cannot be started.
     pub async fn load(config: &Config) -> Result<Self, StartError> {
         let load = |error: LoadError| StartError::Load(Box::new(error));
-        let compute = Arc::new(Compute::new(config.server.threads)?);
+        let compute = Compute::new("tile", config.server.threads)?;
+        let queries = Arc::new(Compute::new("query", config.server.threads)?);
         let store = Store::open(&config.server.data).await.map_err(|error| load(error.into()))?;
         let old_revisions = NonZeroUsize::new(config.cache.old_revisions).unwrap_or(NonZeroUsize::MIN);
-        let worlds = Worlds::load(store, Arc::clone(&compute), old_revisions).await.map_err(load)?;
+        let worlds = Worlds::load(store, Arc::clone(&queries), old_revisions).await.map_err(load)?;
         Ok(Self(Arc::new(AppState {
             worlds,
-            tiles: Tiles::new(Arc::clone(&compute), config.cache.tile_bytes, config.limits.pending_tiles),
-            compute,
+            tiles: Tiles::new(compute, config.cache.tile_bytes, config.limits.pending_seconds as f64 * 1e9),
+            queries,
             public_url: config.server.public_url.trim_end_matches('/').to_owned(),
             world_bytes: config.limits.world_bytes,
-            writable: config.server.listen.ip().is_loopback(),
+            writable: config.server.listen.ip().is_loopback() && config.server.public_url.is_empty(),
             draining: AtomicBool::new(false),
         })))
     }

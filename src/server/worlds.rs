@@ -76,8 +76,17 @@ impl Worlds {
         }
         let mut index = Index::new();
         for stored in store.worlds().await? {
-            let live = revive(&compute, &stored.name, parse(&stored.name, &stored.body)?).await?;
-            index.insert(stored.name, live);
+            // One world that cannot be read must not take the others with it.
+            let live = match parse(&stored.name, &stored.body) {
+                Ok(document) => revive(&compute, &stored.name, document).await.map_err(LoadError::from),
+                Err(error) => Err(error),
+            };
+            match live {
+                Ok(live) => {
+                    index.insert(stored.name, live);
+                }
+                Err(error) => tracing::error!(%error, "a stored world is left out"),
+            }
         }
         let old = Mutex::new(LruCache::new(old_revisions));
         Ok(Self { store, compute, index: ArcSwap::from_pointee(index), old, writing: tokio::sync::Mutex::default() })
@@ -153,7 +162,7 @@ impl Worlds {
 }
 
 fn parse(name: &str, body: &str) -> Result<Document, LoadError> {
-    Document::parse(body.as_bytes()).map_err(|error| LoadError::Document { name: name.to_owned(), error })
+    Document::parse_stored(body.as_bytes()).map_err(|error| LoadError::Document { name: name.to_owned(), error })
 }
 
 /// Compiles and surveys a world on the compute pool.

@@ -11,6 +11,9 @@ pub enum StoreError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// Another server uses the folder.
+    #[error("another server uses the data folder {0}: stop it, or give this one a folder of its own with --data")]
+    InUse(String),
     /// The database was written by a newer version of the program.
     #[error("the database has layout {found}, this version of terrane knows {known}: use the version that wrote it, or a newer one")]
     Newer {

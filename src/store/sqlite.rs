@@ -6,7 +6,12 @@ use sqlx::{
     Row, Sqlite, SqlitePool, Transaction,
     sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous},
 };
-use std::{path::Path, time::Duration};
+use std::{
+    fs::{File, OpenOptions, TryLockError},
+    path::Path,
+    sync::Arc,
+    time::Duration,
+};
 
 /// The layout of the tables below, kept in `PRAGMA user_version`.
 const LAYOUT: i64 = 1;
@@ -85,27 +90,39 @@ pub struct RevisionEntry {
 #[derive(Clone, Debug)]
 pub struct Store {
     pool: SqlitePool,
+    /// Held by the one server that writes here, for as long as it lives.
+    _lock: Option<Arc<File>>,
 }
 
 impl Store {
-    /// Opens the store in a folder, making both where they are missing.
+    /// Opens the store in a folder for its one server, making both where they are missing.
     ///
     /// # Errors
-    /// If the folder cannot be made, or the database cannot be opened or is of a newer layout.
+    /// If the folder cannot be made or another server uses it, or the database cannot be opened or is of a newer layout.
     pub async fn open(folder: &Path) -> Result<Self, StoreError> {
-        std::fs::create_dir_all(folder).map_err(|source| StoreError::Folder { path: folder.display().to_string(), source })?;
-        let options = SqliteConnectOptions::new()
-            .filename(folder.join("terrane.sqlite"))
-            .create_if_missing(true)
-            .journal_mode(SqliteJournalMode::Wal)
-            .synchronous(SqliteSynchronous::Full)
-            .foreign_keys(true)
-            .busy_timeout(Duration::from_secs(5))
-            .pragma("trusted_schema", "OFF");
+        let failed = |source| StoreError::Folder { path: folder.display().to_string(), source };
+        std::fs::create_dir_all(folder).map_err(failed)?;
+        let lock = OpenOptions::new().create(true).truncate(false).write(true).open(folder.join("terrane.lock")).map_err(failed)?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(StoreError::InUse(folder.display().to_string())),
+            Err(TryLockError::Error(source)) => return Err(failed(source)),
+        }
+        let options = options(folder).create_if_missing(true).journal_mode(SqliteJournalMode::Wal).synchronous(SqliteSynchronous::Full);
         let pool = SqlitePoolOptions::new().max_connections(4).connect_with(options).await?;
-        let store = Self { pool };
+        let store = Self { pool, _lock: Some(Arc::new(lock)) };
         store.lay_out().await?;
         Ok(store)
+    }
+
+    /// Opens a store that there is, for reading, beside a server or without one.
+    ///
+    /// # Errors
+    /// If there is no database in the folder, or it is of a newer layout.
+    pub async fn open_read_only(folder: &Path) -> Result<Self, StoreError> {
+        let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options(folder).read_only(true)).await?;
+        let found: i64 = sqlx::query_scalar("PRAGMA user_version").fetch_one(&pool).await?;
+        if found == LAYOUT { Ok(Self { pool, _lock: None }) } else { Err(StoreError::Newer { found, known: LAYOUT }) }
     }
 
     async fn lay_out(&self) -> Result<(), StoreError> {
@@ -205,6 +222,10 @@ impl Store {
     }
 }
 
+fn options(folder: &Path) -> SqliteConnectOptions {
+    SqliteConnectOptions::new().filename(folder.join("terrane.sqlite")).foreign_keys(true).busy_timeout(Duration::from_secs(5)).pragma("trusted_schema", "OFF")
+}
+
 /// The number of a world's last row and its present revision.
 async fn head(transaction: &mut Transaction<'static, Sqlite>, world: &str) -> Result<(i64, Option<String>), StoreError> {
     let last = "SELECT number, revision FROM history WHERE world = ? ORDER BY number DESC LIMIT 1";
@@ -237,7 +258,11 @@ mod tests {
         for (document, saved) in [(&one, Saved::Created), (&one, Saved::Unchanged), (&two, Saved::Changed), (&one, Saved::Changed)] {
             assert_eq!(store.save("a", document, &Condition::Any).await.expect("saves"), saved);
         }
+        let reader = Store::open_read_only(&folder.path().join("deep/data")).await.expect("opens beside it");
+        assert_eq!(reader.worlds().await.expect("reads").len(), 1);
+        assert!(matches!(Store::open(&folder.path().join("deep/data")).await, Err(StoreError::InUse(_))));
         store.close().await;
+        drop(store);
         let store = Store::open(&folder.path().join("deep/data")).await.expect("reopens");
         let names: Vec<_> = store.revisions("a").await.expect("reads").into_iter().map(|entry| (entry.number, entry.revision)).collect();
         let (first, second) = (one.revision().to_string(), two.revision().to_string());
@@ -271,6 +296,7 @@ mod tests {
         let store = Store::open(folder.path()).await.expect("opens");
         sqlx::query("PRAGMA user_version = 99").execute(&store.pool).await.expect("sets");
         store.close().await;
+        drop(store);
         assert!(matches!(Store::open(folder.path()).await, Err(StoreError::Newer { found: 99, known: 1 })));
     }
 }

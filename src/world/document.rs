@@ -180,6 +180,17 @@ impl Document {
     /// # Errors
     /// If the bytes are not JSON, or with every problem of the document that could be found.
     pub fn parse(json: &[u8]) -> Result<Self, DocumentError> {
+        let document = Self::parse_stored(json)?;
+        let problem = |error| DocumentError::Invalid(vec![Problem::of_programme("/base/programme", document.base.programme.text().is_some(), error)]);
+        document.base.programme.check_cost().map_err(problem)?;
+        Ok(document)
+    }
+
+    /// Reads a document that was accepted before: as [`Document::parse`], but whatever it costs, since budgets are for what is new.
+    ///
+    /// # Errors
+    /// As [`Document::parse`].
+    pub fn parse_stored(json: &[u8]) -> Result<Self, DocumentError> {
         let mut deserializer = serde_json::Deserializer::from_slice(json);
         let written: Written = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| structural_error(&error))?;
         deserializer.end().map_err(|error| DocumentError::Syntax(error.to_string()))?;
@@ -322,7 +333,7 @@ fn structural_error(error: &serde_path_to_error::Error<serde_json::Error>) -> Do
         return DocumentError::Syntax(inner.to_string());
     }
     let message = inner.to_string();
-    let detail = message.rsplit_once(" at line ").map_or(message.as_str(), |(detail, _)| detail);
+    let detail = message.rsplit_once(" at line ").map_or(message.as_str(), |(detail, _)| detail).replace("expected f64", "expected a number");
     let steps = error.path().iter().filter_map(|segment| match segment {
         serde_path_to_error::Segment::Seq { index } => Some(index.to_string()),
         serde_path_to_error::Segment::Map { key } => Some(key.replace('~', "~0").replace('/', "~1")),
@@ -405,8 +416,8 @@ mod tests {
         check(&format!(r#"{{"seed":9007199254740992,{BASE}}}"#), "/seed: must be 0 … 2^53 - 1 = 9007199254740991, got 9007199254740992");
         check(&format!(r#"{{"seed":-1,{BASE}}}"#), "/seed: expected a whole number 0 … 9007199254740991");
         check(&format!(r#"{{"seed":"7",{BASE}}}"#), "/seed: expected a whole number 0 … 9007199254740991");
-        check(r#"{"seed":7,"base":{"programme":"x","scale":"wide"}}"#, "/base/scale: invalid type: string \"wide\", expected f64");
-        check(r#"{"seed":7,"base":{"programme":"x","scale":10,"origin":[0,"a"]}}"#, "/base/origin/1: invalid type: string \"a\", expected f64");
+        check(r#"{"seed":7,"base":{"programme":"x","scale":"wide"}}"#, "/base/scale: invalid type: string \"wide\", expected a number");
+        check(r#"{"seed":7,"base":{"programme":"x","scale":10,"origin":[0,"a"]}}"#, "/base/origin/1: invalid type: string \"a\", expected a number");
         check(
             r#"{"seed":7,"base":{"programme":"plus(x, fmb(1))","scale":10}}"#,
             "/base/programme: at /args/1: character 9: unknown function \"fmb\" (did you mean \"fbm\"?)",

@@ -51,6 +51,12 @@ impl World {
         &self.revision
     }
 
+    /// The predicted cost of evaluation, in nanoseconds a sample.
+    #[must_use]
+    pub fn cost_ns(&self) -> f64 {
+        crate::programme::cost_ns(self.document.base.programme.root())
+    }
+
     /// The terrain over a window, on the calling thread.
     #[must_use]
     pub fn evaluate(&self, window: &Window) -> Surface {

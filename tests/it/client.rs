@@ -10,6 +10,9 @@ use tempfile::TempDir;
 use terrane::server::{App, Config, openapi, router};
 use tower::ServiceExt;
 
+/// What requests call the server unless they say otherwise.
+pub(crate) const HOST: &str = "localhost:8080";
+
 pub(crate) struct Answer {
     pub status: StatusCode,
     pub headers: HeaderMap,
@@ -65,8 +68,11 @@ impl Client {
 
     /// Starts again over the same folder, with empty caches.
     pub(crate) async fn restart(self, change: impl Fn(&mut Config)) -> Self {
-        self.app.close().await;
-        Self::over(self.folder, change).await
+        let Self { app, router, folder, .. } = self;
+        app.close().await;
+        // The last holders of the folder's lock.
+        drop((app, router));
+        Self::over(folder, change).await
     }
 
     pub(crate) async fn get(&self, path: &str) -> Answer {
@@ -78,7 +84,10 @@ impl Client {
     }
 
     pub(crate) async fn send(&self, method: Method, path: &str, headers: &[(&str, &str)], body: impl Into<Body>) -> Answer {
-        let mut request = Request::builder().method(&method).uri(path).header("host", "example.org:8080");
+        let mut request = Request::builder().method(&method).uri(path);
+        if !headers.iter().any(|(name, _)| *name == "host") {
+            request = request.header("host", HOST);
+        }
         for (name, value) in headers {
             request = request.header(*name, *value);
         }

@@ -6,12 +6,12 @@ use crate::{
     server::{
         error::ApiError,
         extract::{Known, WorldAt},
-        headers::{Freshness, tagged},
+        headers::{Freshness, json},
         schema::{ElevationSchema, ProblemDetails},
         state::App,
     },
 };
-use axum::{Json, extract::State, response::Response};
+use axum::{extract::State, http::HeaderMap, response::Response};
 use serde::Deserialize;
 use std::sync::Arc;
 use utoipa::IntoParams;
@@ -59,19 +59,24 @@ impl PointQuery {
 /// The ground at a point: exact, or as a tile sees it.
 #[utoipa::path(get, path = "/worlds/{world}/elevation", tag = "queries", params(("world" = String, Path, description = "`name` or `name@revision`"), PointQuery), responses(
     (status = 200, description = "The ground there", body = ElevationSchema),
-    (status = 304, description = "The world has not changed"),
+    (status = 304, description = "The answer is the one that If-None-Match names"),
     (status = 400, description = "No point, or one beyond the plane", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 404, description = "No such world", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
-pub(crate) async fn get_elevation(State(app): State<App>, WorldAt { live, pinned }: WorldAt, Known(query): Known<PointQuery>) -> Result<Response, ApiError> {
+pub(crate) async fn get_elevation(
+    State(app): State<App>,
+    WorldAt { live, pinned }: WorldAt,
+    Known(query): Known<PointQuery>,
+    headers: HeaderMap,
+) -> Result<Response, ApiError> {
     let Point { x, y, lon_lat } = query.point()?;
     let (spacing, world) = (query.spacing, Arc::clone(&live));
-    let ground = app.0.compute.run(move || query::elevation(&world.world, x, y, spacing)).await?;
+    let ground = app.0.queries.run(move || query::elevation(&world.world, x, y, spacing)).await?;
     let ground = ground.map_err(|error| match error {
         crate::geometry::WindowError::Spacing(_) => ApiError::parameter("spacing", error.to_string()),
         _ => ApiError::parameter(if lon_lat.is_some() { "lon" } else { "x" }, error.to_string()),
     })?;
     let (longitude, latitude) = lon_lat.unzip();
     let body = ElevationSchema { x, y, longitude, latitude, elevation: ground.elevation, water_depth: ground.water_depth };
-    Ok(tagged(Json(body), live.world.revision().as_str(), Freshness::of(pinned)))
+    json(&headers, &body, Freshness::of(pinned))
 }

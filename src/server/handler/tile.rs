@@ -5,7 +5,7 @@ use crate::{
     server::{
         error::ApiError,
         extract::{Known, PublicUrl, TilePath, TilesetPath, WorldAt},
-        headers::{Freshness, is_fresh, not_modified, tagged},
+        headers::{Freshness, is_fresh, json, not_modified, tagged},
         schema::{ProblemDetails, TileJson},
         state::App,
         style,
@@ -14,13 +14,11 @@ use crate::{
     tile,
 };
 use axum::{
-    Json,
     extract::State,
     http::{HeaderMap, header},
-    response::{IntoResponse, Response},
+    response::Response,
 };
 use serde::Deserialize;
-use std::sync::Arc;
 use utoipa::IntoParams;
 
 /// Zoom levels that `TileJSON` announces.
@@ -63,7 +61,8 @@ pub(crate) async fn get_tile(
     if is_fresh(&headers, &tag) {
         return Ok(not_modified(&tag, freshness));
     }
-    let bytes = app.0.tiles.get(fingerprint, move || tile::render(&live.world, &request)).await?;
+    let cost_ns = live.world.cost_ns() * (request.samples.side() * request.samples.side()) as f64;
+    let bytes = app.0.tiles.get(fingerprint, cost_ns, move || tile::render(&live.world, &request)).await?;
     Ok(tagged(([(header::CONTENT_TYPE, request.tileset.media_type())], bytes), &tag, freshness))
 }
 
@@ -75,15 +74,16 @@ pub(crate) async fn get_tile(
     LiveQuery,
 ), responses(
     (status = 200, description = "TileJSON 3.0 with `encoding` and `tileSize`", body = TileJson),
-    (status = 304, description = "The world has not changed"),
+    (status = 304, description = "The answer is the one that If-None-Match names"),
     (status = 400, description = "The query is wrong", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 404, description = "No such world, grid or tileset", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
 pub(crate) async fn get_tilejson(
-    WorldAt { live, pinned }: WorldAt,
+    WorldAt { live, .. }: WorldAt,
     TilesetPath { grid, tileset }: TilesetPath,
     Known(query): Known<LiveQuery>,
     PublicUrl(url): PublicUrl,
+    headers: HeaderMap,
 ) -> Result<Response, ApiError> {
     let document = live.world.document();
     let template = template(&url, &live, grid.name(), tileset, query.live.is_some());
@@ -100,7 +100,8 @@ pub(crate) async fn get_tilejson(
         tile_size: 512,
         encoding: tileset.encoding(),
     };
-    Ok(tagged(Json(body), live.world.revision().as_str(), Freshness::of(pinned)))
+    // Its links depend on how the server is reached, so even a pinned one may change.
+    json(&headers, &body, Freshness::Revalidate)
 }
 
 fn template(url: &str, live: &Live, grid: &str, tileset: tile::Tileset, plain: bool) -> String {
@@ -128,13 +129,17 @@ fn center(live: &Live, grid: Grid) -> [f64; 3] {
 /// A ready `MapLibre` style: colour relief under hillshade.
 #[utoipa::path(get, path = "/worlds/{world}/style.json", tag = "tiles", params(("world" = String, Path, description = "`name` or `name@revision`"), LiveQuery), responses(
     (status = 200, description = "A MapLibre style, version 8", body = serde_json::Value),
-    (status = 304, description = "The world has not changed"),
+    (status = 304, description = "The answer is the one that If-None-Match names"),
     (status = 400, description = "The query is wrong", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 404, description = "No such world", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
-pub(crate) async fn get_style(WorldAt { live, pinned }: WorldAt, Known(query): Known<LiveQuery>, PublicUrl(url): PublicUrl) -> Response {
+pub(crate) async fn get_style(
+    WorldAt { live, .. }: WorldAt,
+    Known(query): Known<LiveQuery>,
+    PublicUrl(url): PublicUrl,
+    headers: HeaderMap,
+) -> Result<Response, ApiError> {
     let tiles = template(&url, &live, Grid::Web.name(), tile::Tileset::Terrarium, query.live.is_some());
     let style = style::style(&live, &tiles, MAX_ANNOUNCED_ZOOM, center(&live, Grid::Web));
-    let live: &Arc<Live> = &live;
-    tagged(Json(style), live.world.revision().as_str(), Freshness::of(pinned)).into_response()
+    json(&headers, &style, Freshness::Revalidate)
 }

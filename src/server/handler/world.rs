@@ -3,7 +3,7 @@
 use crate::{
     server::{
         error::ApiError,
-        extract::{Body, Known, WorldAt, WorldName, WriteCondition},
+        extract::{Body, Known, PublicUrl, WorldAt, WorldName, WriteCondition},
         headers::{Freshness, is_fresh, not_modified, tagged},
         schema::{ProblemDetails, RevisionSchema, WorldSchema},
         state::App,
@@ -42,7 +42,7 @@ async fn save(app: &App, name: String, document: Document, condition: Condition)
 #[utoipa::path(get, path = "/worlds/{world}", tag = "worlds", params(("world" = String, Path, description = "`name` or `name@revision`")), responses(
     (status = 200, description = "The document; its ETag is the revision", body = WorldSchema, headers(("ETag" = String, description = "The revision"))),
     (status = 304, description = "The world is at the revision that If-None-Match names"),
-    (status = 404, description = "No such world", body = ProblemDetails, content_type = "application/problem+json"),
+    (status = 404, description = "No such world or revision", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
 pub(crate) async fn get_world(WorldAt { live, pinned }: WorldAt, headers: HeaderMap) -> Response {
     let freshness = Freshness::of(pinned);
@@ -61,7 +61,7 @@ pub(crate) async fn get_world(WorldAt { live, pinned }: WorldAt, headers: Header
     (status = 200, description = "Saved, or already so: the completed document", body = WorldSchema, headers(("ETag" = String, description = "The revision"))),
     (status = 201, description = "A new world: the completed document", body = WorldSchema, headers(("ETag" = String, description = "The revision"), ("Location" = String, description = "The world"))),
     (status = 400, description = "No JSON, no valid name, or a condition that cannot be understood", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 403, description = "The request comes from a web page of another site, or other machines reach the server", body = ProblemDetails, content_type = "application/problem+json"),
+    (status = 403, description = "The request comes from another machine, or from a web page of another site", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 412, description = "The condition does not hold", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 413, description = "The document is too large", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 422, description = "The document is wrong: every problem with its place", body = ProblemDetails, content_type = "application/problem+json"),
@@ -70,13 +70,20 @@ pub(crate) async fn put_world(
     State(app): State<App>,
     WorldName(name): WorldName,
     WriteCondition(condition): WriteCondition,
+    PublicUrl(url): PublicUrl,
     Body(body): Body,
 ) -> Result<Response, ApiError> {
-    let (saved, live) = save(&app, name.clone(), Document::parse(&body)?, condition).await?;
+    let (saved, live) = save(&app, name, Document::parse(&body)?, condition).await?;
     Ok(match saved {
-        Saved::Created => ([(header::LOCATION, format!("/worlds/{name}"))], answer(StatusCode::CREATED, &live, Freshness::Revalidate)).into_response(),
+        Saved::Created => created(&url, &live),
         Saved::Changed | Saved::Unchanged => answer(StatusCode::OK, &live, Freshness::Revalidate),
     })
+}
+
+/// 201 with the new world's place.
+fn created(url: &str, live: &Live) -> Response {
+    let location = [(header::LOCATION, format!("{url}/worlds/{}", live.name))];
+    (location, answer(StatusCode::CREATED, live, Freshness::Revalidate)).into_response()
 }
 
 /// The name of a new world.
@@ -92,24 +99,38 @@ pub(crate) struct NameQuery {
 #[utoipa::path(post, path = "/worlds", tag = "worlds", params(NameQuery), request_body = WorldSchema, responses(
     (status = 201, description = "The completed document", body = WorldSchema, headers(("ETag" = String, description = "The revision"), ("Location" = String, description = "The world"))),
     (status = 400, description = "No JSON, or no valid name", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 403, description = "The request comes from a web page of another site, or other machines reach the server", body = ProblemDetails, content_type = "application/problem+json"),
+    (status = 403, description = "The request comes from another machine, or from a web page of another site", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 409, description = "The name is taken", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 413, description = "The document is too large", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 422, description = "The document is wrong: every problem with its place", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
-pub(crate) async fn post_world(State(app): State<App>, Known(query): Known<NameQuery>, Body(body): Body) -> Result<Response, ApiError> {
+pub(crate) async fn post_world(
+    State(app): State<App>,
+    Known(query): Known<NameQuery>,
+    PublicUrl(url): PublicUrl,
+    Body(body): Body,
+) -> Result<Response, ApiError> {
     let given = query.name.map(|name| WorldName::parse(&name)).transpose().map_err(|detail| ApiError::parameter("name", detail))?;
     let document = Document::parse(&body)?;
-    let made = given.is_none();
-    let mut name = given.map_or_else(|| made_name(&document), |WorldName(name)| name);
-    if made && app.0.worlds.get(&name).is_some() {
-        name = format!("{}-{}", name.chars().take(50).collect::<String>(), &document.revision().as_str()[..12]);
+    let names: Box<dyn Iterator<Item = String> + Send> = match given {
+        Some(WorldName(name)) => Box::new(std::iter::once(name)),
+        None => Box::new(made_names(&document)),
+    };
+    let mut last = String::new();
+    for name in names {
+        match save(&app, name.clone(), document.clone(), Condition::Absent).await {
+            Ok((_, live)) => return Ok(created(&url, &live)),
+            Err(ApiError::PreconditionFailed(_)) => last = name,
+            Err(error) => return Err(error),
+        }
     }
-    match save(&app, name.clone(), document, Condition::Absent).await {
-        Ok((_, live)) => Ok(([(header::LOCATION, format!("/worlds/{name}"))], answer(StatusCode::CREATED, &live, Freshness::Revalidate)).into_response()),
-        Err(ApiError::PreconditionFailed(_)) => Err(ApiError::Conflict(format!("A world is already named {name:?}."))),
-        Err(error) => Err(error),
-    }
+    Err(ApiError::Conflict(format!("A world is already named {last:?}.")))
+}
+
+/// Names to try for a document: its title's, then that with numbers.
+fn made_names(document: &Document) -> impl Iterator<Item = String> + use<> {
+    let name = made_name(document);
+    (1..1000).map(move |number| if number == 1 { name.clone() } else { format!("{name}-{number}") })
 }
 
 /// A title's letters and digits joined by hyphens; `world-` and the revision's start without any.
@@ -127,7 +148,7 @@ fn made_name(document: &Document) -> String {
 ), responses(
     (status = 204, description = "It is gone"),
     (status = 400, description = "No valid name, or a condition that cannot be understood", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 403, description = "The request comes from a web page of another site, or other machines reach the server", body = ProblemDetails, content_type = "application/problem+json"),
+    (status = 403, description = "The request comes from another machine, or from a web page of another site", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 404, description = "No such world", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 412, description = "The condition does not hold", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
