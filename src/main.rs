@@ -4,7 +4,7 @@ use anyhow::{Context, bail};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::{
     fs::{self, File},
-    io::{BufWriter, Write},
+    io::{BufWriter, IsTerminal, Write},
     net::SocketAddr,
     path::{Path, PathBuf},
     process::ExitCode,
@@ -105,7 +105,8 @@ fn parse_bbox(text: &str) -> Result<[f64; 4], String> {
 
 fn main() -> ExitCode {
     let filter = EnvFilter::try_from_env("TERRANE_LOG").unwrap_or_else(|_| EnvFilter::new("info"));
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+    let colours = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_ansi(colours).init();
     let done = match Arguments::parse().command {
         Command::Serve(arguments) => serve(arguments),
         Command::Check { file } => check(&file),
@@ -115,10 +116,22 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // Standard error may be closed; the exit code still says it.
-            let _ = writeln!(std::io::stderr(), "error: {error:#}");
+            let _ = writeln!(std::io::stderr(), "error: {}", with_causes(&error));
             ExitCode::FAILURE
         }
     }
+}
+
+/// An error and those of its causes that it does not already repeat.
+fn with_causes(error: &anyhow::Error) -> String {
+    error.chain().fold(String::new(), |text, cause| {
+        let cause = cause.to_string();
+        match text.as_str() {
+            "" => cause,
+            said if said.contains(&cause) => text,
+            said => format!("{said}: {cause}"),
+        }
+    })
 }
 
 fn config(file: Option<&Path>) -> anyhow::Result<Config> {
@@ -199,5 +212,9 @@ fn render(arguments: &RenderArguments) -> anyhow::Result<()> {
         file.flush().with_context(writing)?;
     }
     let mut out = std::io::stdout();
-    writeln!(out, "{}: {} × {} samples of {} m", arguments.output.display(), window.columns.len(), window.rows.len(), window.spacing()).context("writing")
+    let (columns, rows) = (window.columns.len(), window.rows.len());
+    let (west, north, s) = (arguments.bbox[0], arguments.bbox[3], window.spacing());
+    // The area is a whole number of samples from the north-west corner, which may be a little more or less than was asked for.
+    let (south, east) = (north - rows as f64 * s, west + columns as f64 * s);
+    writeln!(out, "{}: {columns} × {rows} samples of {s} m over {west},{south},{east},{north}", arguments.output.display()).context("writing")
 }

@@ -35,7 +35,8 @@ pub(super) fn suggestion<'a>(name: &str, candidates: impl Iterator<Item = &'a st
     }
     candidates
         .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
-        .min()
+        // Of equals the first: a default comes first.
+        .min_by_key(|(distance, _)| *distance)
         .filter(|(distance, candidate)| *distance <= 2.max(candidate.len() / 3) && *distance < name.chars().count().max(2))
         .map_or_else(String::new, |(_, candidate)| format!(" (did you mean \"{candidate}\"?)"))
 }

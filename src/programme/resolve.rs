@@ -52,7 +52,11 @@ fn node(call: &Call, syntax: &Syntax, at: &str) -> Result<Node, ParseError> {
 
 fn unknown(call: &Call, at: &str) -> ParseError {
     let kind = if call.positional.is_empty() && call.named.is_empty() { "name" } else { "function" };
-    let near = suggestion(&call.name, Signature::all().iter().map(|signature| signature.name));
+    let near = if call.name.contains('(') {
+        ": a string in a tree is the name of a terminal, a call is {\"op\": …, \"args\": […]}".to_owned()
+    } else {
+        suggestion(&call.name, Signature::all().iter().map(|signature| signature.name))
+    };
     ParseError::new(at, call.name_span.clone(), format!("unknown {kind} \"{}\"{near}", shortened(&call.name)))
 }
 

@@ -17,10 +17,7 @@ pub(super) fn parse(text: &str) -> Result<Syntax, ParseError> {
     parser.space();
     match parser.peek() {
         None => Ok(root),
-        Some(c) => {
-            let at = parser.at;
-            Err(parser.error(at..parser.characters.len(), format!("expected the end of the programme, found {c:?}")))
-        }
+        Some(_) => Err(parser.error(parser.at..parser.characters.len(), format!("expected the end of the programme, found {}", parser.found()))),
     }
 }
 
@@ -55,9 +52,19 @@ impl Parser {
         ParseError::new(self.path.concat(), Some(span), message)
     }
 
-    /// What comes next, for an error.
+    /// What comes next, for an error; with the function to write where it is an operator.
     fn found(&self) -> String {
-        self.peek().map_or_else(|| "the end of the programme".to_owned(), |c| format!("{c:?}"))
+        let Some(c) = self.peek() else { return "the end of the programme".to_owned() };
+        let function = match c {
+            '+' => "plus",
+            '-' => "minus",
+            '*' => "multiply",
+            '/' => "divide",
+            '^' => "power",
+            '%' => "mod",
+            _ => return format!("{c:?}"),
+        };
+        format!("{c:?}: operators are written as functions, {function}(a, b)")
     }
 
     fn here(&self) -> Range<usize> {
@@ -208,7 +215,7 @@ mod tests {
         check("fbm(1, x, 8)", "at /args/1: lacunarity must be a number (1.1 … 8), not \"x\": parameters are plain numbers [x]");
         check(
             "fbm(1, 2, 8, basis=perlin)",
-            "at /basis: basis must be one of o_perlin, i_perlin, cell_noise, voronoi_f1, voronoi_f2, got \"perlin\" (did you mean \"i_perlin\"?) [perlin]",
+            "at /basis: basis must be one of o_perlin, i_perlin, cell_noise, voronoi_f1, voronoi_f2, got \"perlin\" (did you mean \"o_perlin\"?) [perlin]",
         );
         check(
             "fbm(1, 2, 8, octave=3)",
@@ -217,6 +224,8 @@ mod tests {
         check("fbm(1, 2, 8, octaves=3)", "at /octaves: \"octaves\" is given twice [octaves]");
         check("plus(x, y", "expected \",\" or \")\" in the arguments of plus, found the end of the programme []");
         check("x y", "expected the end of the programme, found 'y' [y]");
+        check("x + y", "expected the end of the programme, found '+': operators are written as functions, plus(a, b) [+ y]");
+        check("sin(x * y)", "expected \",\" or \")\" in the arguments of sin, found '*': operators are written as functions, multiply(a, b) [*]");
         check("plus(1.2.3, x)", "at /args/0: \"1.2.3\" is not a number [1.2.3]");
         check("multiply(1e39, x)", "at /args/0: 1e39 is too large: values are f32, at most ±3.4e38 [1e39]");
         check("1e999", "1e999 is too large for a number [1e999]");

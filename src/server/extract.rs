@@ -37,7 +37,8 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Known<T> {
                 let detail = text.split_once(": ").map_or(text.as_str(), |(_, detail)| detail);
                 // A wrong value or an unknown name comes as "name: what is wrong".
                 let (name, detail) = detail.split_once(": ").unwrap_or(("query", detail));
-                Err(ApiError::parameter(name, detail))
+                let number = detail.contains("float");
+                Err(ApiError::parameter(name, if number { "must be a number" } else { detail }))
             }
         }
     }

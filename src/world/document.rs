@@ -339,8 +339,23 @@ fn structural_error(error: &serde_path_to_error::Error<serde_json::Error>) -> Do
         serde_path_to_error::Segment::Map { key } => Some(key.replace('~', "~0").replace('/', "~1")),
         _ => None,
     });
-    let pointer: String = steps.map(|step| format!("/{step}")).collect();
-    DocumentError::Invalid(vec![Problem::new(pointer, detail)])
+    let mut pointer: String = steps.map(|step| format!("/{step}")).collect();
+    // The reader quotes field names: the wrong one first, then those that would be right.
+    let mut names = detail.split('`').skip(1).step_by(2);
+    let named = names.next().unwrap_or_default();
+    if detail.starts_with("missing field") {
+        pointer = format!("{pointer}/{named}");
+    }
+    let near = if detail.starts_with("unknown field") && named.len() <= 64 {
+        names
+            .map(|name| (strsim::damerau_levenshtein(named, name), name))
+            .min_by_key(|(distance, _)| *distance)
+            .filter(|(distance, _)| *distance <= (named.len() / 3).max(1))
+    } else {
+        None
+    };
+    let near = near.map_or_else(String::new, |(_, name)| format!(" (did you mean `{name}`?)"));
+    DocumentError::Invalid(vec![Problem::new(pointer, format!("{detail}{near}"))])
 }
 
 /// A whole number, also where it is written as 7.0 or 1e3.
@@ -411,8 +426,12 @@ mod tests {
             r#"{"seed":7,"base":{"programme":"x","scale":10,"zoom":1}}"#,
             "/base/zoom: unknown field `zoom`, expected one of `programme`, `scale`, `origin`, `amplitude`, `datum`",
         );
-        check(&format!("{{{BASE}}}"), "/: missing field `seed`");
-        check(r#"{"seed":7,"base":{"scale":10}}"#, "/base: missing field `programme`");
+        check(
+            r#"{"seed":7,"base":{"program":"x","scale":10}}"#,
+            "/base/program: unknown field `program`, expected one of `programme`, `scale`, `origin`, `amplitude`, `datum` (did you mean `programme`?)",
+        );
+        check(&format!("{{{BASE}}}"), "/seed: missing field `seed`");
+        check(r#"{"seed":7,"base":{"scale":10}}"#, "/base/programme: missing field `programme`");
         check(&format!(r#"{{"seed":9007199254740992,{BASE}}}"#), "/seed: must be 0 … 2^53 - 1 = 9007199254740991, got 9007199254740992");
         check(&format!(r#"{{"seed":-1,{BASE}}}"#), "/seed: expected a whole number 0 … 9007199254740991");
         check(&format!(r#"{{"seed":"7",{BASE}}}"#), "/seed: expected a whole number 0 … 9007199254740991");

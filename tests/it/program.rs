@@ -178,7 +178,7 @@ fn render_writes_every_format_from_files_and_stored_worlds() {
     for (output, start) in [("a.png", &b"\x89PNG"[..]), ("a.tif", b"II*\0"), ("a.r32", b"")] {
         let done = run(&[&["render", "world.json"], &area[..], &["-o", output]].concat(), folder.path());
         assert!(done.status.success(), "{}", text(&done.stderr));
-        assert_eq!(text(&done.stdout), format!("{output}: 200 × 150 samples of 10 m\n"));
+        assert_eq!(text(&done.stdout), format!("{output}: 200 × 150 samples of 10 m over -1000,0,1000,1500\n"));
         assert!(std::fs::read(folder.path().join(output)).unwrap().starts_with(start));
     }
     assert_eq!(std::fs::metadata(folder.path().join("a.r32")).unwrap().len(), 200 * 150 * 4);

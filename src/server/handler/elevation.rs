@@ -51,7 +51,15 @@ impl PointQuery {
                 let (x, y) = from_lon_lat(lon, lat);
                 Ok(Point { x, y, lon_lat: Some((lon, lat)) })
             }
-            _ => Err(ApiError::parameter("x", "a point is given by x and y (metres) or by lon and lat (degrees)")),
+            (x, _, lon, lat) => {
+                let wrong = match (x, lon, lat) {
+                    (None, Some(_), None) => "lat",
+                    (None, None, Some(_)) => "lon",
+                    (Some(_), None, None) => "y",
+                    _ => "x",
+                };
+                Err(ApiError::parameter(wrong, "a point is given by x and y (metres) or by lon and lat (degrees)"))
+            }
         }
     }
 }
