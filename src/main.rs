@@ -11,6 +11,7 @@ use std::{
 };
 use terrane::{
     geometry::{Filter, Window},
+    noise::Isa,
     server::{self, Config},
     store::Store,
     tile::{Tileset, write_geotiff},
@@ -107,11 +108,12 @@ fn main() -> ExitCode {
     let filter = EnvFilter::try_from_env("TERRANE_LOG").unwrap_or_else(|_| EnvFilter::new("info"));
     let colours = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_ansi(colours).init();
-    let done = match Arguments::parse().command {
+    let command = Arguments::parse().command;
+    let done = Isa::from_environment().map_err(anyhow::Error::msg).and_then(|_| match command {
         Command::Serve(arguments) => serve(arguments),
         Command::Check { file } => check(&file),
         Command::Render(arguments) => render(&arguments),
-    };
+    });
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

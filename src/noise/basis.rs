@@ -71,6 +71,7 @@ pub(super) enum BasisRows {
 }
 
 impl BasisRows {
+    #[inline(always)]
     pub(super) fn begin(&mut self, v: f64) {
         match self {
             BasisRows::Gradient(rows) => rows.begin(v),
@@ -79,6 +80,7 @@ impl BasisRows {
         }
     }
 
+    #[inline(always)]
     pub(super) fn fill(&self, start: usize, out: &mut [f32]) {
         let amplitude = match self {
             BasisRows::Gradient(rows) => return rows.fill(start, out),

@@ -20,7 +20,7 @@ impl Lattice {
     }
 
     /// Cell and position of programme coordinate `u` along the columns (`axis` 0) or `v` along the rows (`axis` 1).
-    #[inline]
+    #[inline(always)]
     pub(super) fn locate(&self, axis: usize, coordinate: f64) -> Position {
         let at = coordinate * self.frequency + self.phase[axis];
         // Cells beyond 2^62 cannot be told apart in f64 anyway; the clamp keeps their neighbours' numbers from overflowing.
@@ -50,7 +50,7 @@ pub(super) enum Fade {
 
 impl Fade {
     /// In f64, rounded once by the caller.
-    #[inline]
+    #[inline(always)]
     pub(super) fn weight(self, t: f64) -> f64 {
         match self {
             Fade::Cubic => t * t * (3.0 - 2.0 * t),
@@ -106,6 +106,7 @@ impl Columns {
     }
 
     /// The runs that touch the columns `start … end`, cut to them.
+    #[inline(always)]
     pub(super) fn runs_within(&self, start: usize, end: usize) -> impl Iterator<Item = Run> + '_ {
         let first = self.runs.partition_point(|run| run.end <= start);
         self.runs[first..].iter().take_while(move |run| run.start < end).map(move |run| Run {
@@ -127,6 +128,7 @@ impl<T> RowCache<T> {
     }
 
     /// Makes the entries hold rows `first …`, one a slot, in order, computing only what is missing.
+    #[inline(always)]
     pub(super) fn want(&mut self, first: i64, mut compute: impl FnMut(i64, &mut T)) {
         let wanted = first..first + self.entries.len() as i64;
         for (slot, row) in wanted.clone().enumerate() {
@@ -146,6 +148,7 @@ impl<T> RowCache<T> {
         }
     }
 
+    #[inline(always)]
     pub(super) fn get(&self, slot: usize) -> &T {
         &self.entries[slot].1
     }

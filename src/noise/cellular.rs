@@ -89,7 +89,7 @@ impl Nearest {
 }
 
 /// The point of a cell, relative to the cell's south-west corner.
-#[inline]
+#[inline(always)]
 fn point(hash: u32) -> [f32; 2] {
     const UNIT: f32 = 1.0 / 65_536.0;
     [((hash & 0xffff) as f32 + 0.5) * UNIT, ((hash >> 16) as f32 + 0.5) * UNIT]
@@ -155,6 +155,7 @@ impl DistanceRows {
     }
 
     /// Goes to the row of programme coordinate `v`.
+    #[inline(always)]
     pub(super) fn begin(&mut self, v: f64) {
         let position = self.lattice.locate(1, v);
         (self.row, self.fraction) = (position.cell, position.fraction as f32);
@@ -168,6 +169,7 @@ impl DistanceRows {
     }
 
     /// Writes the distances at the columns from `start` on.
+    #[inline(always)]
     pub(super) fn fill(&self, start: usize, out: &mut [f32]) {
         match self.metric {
             Metric::Distance => self.fill_by(|dx, dy| Metric::Distance.compare(dx, dy), start, out),
@@ -200,6 +202,7 @@ impl DistanceRows {
     }
 
     /// Looks further where 3 × 3 cells do not decide, and turns measures into distances.
+    #[inline(always)]
     fn finish_run(&self, first: usize, samples: &[f32], out: &mut [f32]) {
         for (i, (out, &fx)) in out.iter_mut().zip(samples).enumerate() {
             if *out > self.metric.compare_axis(1.0 + margin(fx, self.fraction)) {
@@ -217,7 +220,7 @@ impl DistanceRows {
 }
 
 /// The value of a cell, in [0, 1).
-#[inline]
+#[inline(always)]
 fn value(hash: u32) -> f32 {
     (hash >> 8) as f32 * (1.0 / 16_777_216.0)
 }
@@ -243,6 +246,7 @@ impl ValueRows {
     }
 
     /// Goes to the row of programme coordinate `v`.
+    #[inline(always)]
     pub(super) fn begin(&mut self, v: f64) {
         let position = self.lattice.locate(1, v);
         let Self { columns, lattice, .. } = self;
@@ -255,6 +259,7 @@ impl ValueRows {
     }
 
     /// Writes the values at the columns from `start` on.
+    #[inline(always)]
     pub(super) fn fill(&self, start: usize, out: &mut [f32]) {
         let values = self.values.get(0);
         for run in self.columns.runs_within(start, start + out.len()) {

@@ -3,20 +3,22 @@
 //! Each reduces its argument and sums a series in f64, so that one rounding to f32 remains: the error is below 0.501 units in the last place (a test measures it
 //! against `libm`'s f64 functions). Only additions, multiplications, divisions and bit operations are used.
 
-use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, LN_2};
+use core::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, LN_2, LOG2_E};
 
 /// π/2 in two parts: the first has 33 bits, so its product with a quotient below 2^20 is exact.
 const HALF_PI_HIGH: f64 = 1.570_796_326_734_125_6;
 const HALF_PI_LOW: f64 = 6.077_100_506_506_192e-11;
 
-/// Above this |x| the two parts of π/2 no longer suffice.
-const SMALL: f32 = 1_048_576.0;
+/// Up to this |x| two parts of π/2 suffice to reduce an argument.
+pub const SMALL: f32 = 1_048_576.0;
 
-/// Rounds to the nearest integer, ties to even, for |x| < 2^51.
+/// The nearest integer, ties to even, and its low 32 bits, for |x| < 2^51.
 #[inline(always)]
-fn round(x: f64) -> f64 {
+fn round(x: f64) -> (f64, u32) {
+    // At 3 · 2^51 the spacing of f64 is 1, so the sum is rounded to an integer that stands in the low bits.
     const SHIFT: f64 = 6_755_399_441_055_744.0;
-    (x + SHIFT) - SHIFT
+    let shifted = x + SHIFT;
+    (shifted - SHIFT, shifted.to_bits() as u32)
 }
 
 /// Σ `c_i` z^i.
@@ -59,9 +61,9 @@ fn reduce_large(x: f32) -> (u32, f64) {
 #[inline(always)]
 fn reduce_small(x: f32) -> (u32, f64) {
     let x = f64::from(x);
-    let quotient = round(x / FRAC_PI_2);
+    let (quotient, bits) = round(x * FRAC_2_PI);
     let rest = (x - quotient * HALF_PI_HIGH) - quotient * HALF_PI_LOW;
-    (quotient as i32 as u32 & 3, rest)
+    (bits & 3, rest)
 }
 
 /// x as a multiple of π/2 (mod 4) and the rest; x is finite.
@@ -71,45 +73,78 @@ fn reduce(x: f32) -> (u32, f64) {
 }
 
 /// The sine of x radians; not a number if x is not finite.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn sin(x: f32) -> f32 {
     if !x.is_finite() {
         return f32::NAN;
     }
-    let (quadrant, rest) = reduce(x);
+    sin_of(reduce(x))
+}
+
+/// [`sin`] for |x| ≤ [`SMALL`], without a branch.
+#[inline(always)]
+#[must_use]
+pub fn sin_small(x: f32) -> f32 {
+    sin_of(reduce_small(x))
+}
+
+#[inline(always)]
+fn sin_of((quadrant, rest): (u32, f64)) -> f32 {
     let (sine, cosine) = sine_cosine(rest);
     let value = if quadrant & 1 == 0 { sine } else { cosine };
     (if quadrant & 2 == 0 { value } else { -value }) as f32
 }
 
 /// The cosine of x radians; not a number if x is not finite.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn cos(x: f32) -> f32 {
     if !x.is_finite() {
         return f32::NAN;
     }
-    let (quadrant, rest) = reduce(x);
+    cos_of(reduce(x))
+}
+
+/// [`cos`] for |x| ≤ [`SMALL`], without a branch.
+#[inline(always)]
+#[must_use]
+pub fn cos_small(x: f32) -> f32 {
+    cos_of(reduce_small(x))
+}
+
+#[inline(always)]
+fn cos_of((quadrant, rest): (u32, f64)) -> f32 {
     let (sine, cosine) = sine_cosine(rest);
     let value = if quadrant & 1 == 0 { cosine } else { sine };
     (if (quadrant + 1) & 2 == 0 { value } else { -value }) as f32
 }
 
 /// The tangent of x radians; not a number if x is not finite.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn tan(x: f32) -> f32 {
     if !x.is_finite() {
         return f32::NAN;
     }
-    let (quadrant, rest) = reduce(x);
+    tan_of(reduce(x))
+}
+
+/// [`tan`] for |x| ≤ [`SMALL`], without a branch.
+#[inline(always)]
+#[must_use]
+pub fn tan_small(x: f32) -> f32 {
+    tan_of(reduce_small(x))
+}
+
+#[inline(always)]
+fn tan_of((quadrant, rest): (u32, f64)) -> f32 {
     let (sine, cosine) = sine_cosine(rest);
     (if quadrant & 1 == 0 { sine / cosine } else { -(cosine / sine) }) as f32
 }
 
 /// The arc tangent, in [-π/2, π/2].
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn atan(x: f32) -> f32 {
     const TAN_22_5: f64 = 0.414_213_562_373_095_03;
@@ -127,14 +162,15 @@ pub fn atan(x: f32) -> f32 {
     (if x.is_sign_negative() { -angle } else { angle }) as f32
 }
 
-/// Exponent e and mantissa m of a = m · 2^e, m in [√½, √2), a > 0 and finite.
+/// Exponent e and mantissa m of a = m · 2^e, m in [√½, √2), a > 0 and finite; something finite for other a.
 #[inline(always)]
 fn split(a: f32) -> (f64, f64) {
-    // Every f32 is a normal f64, so denormals need no case of their own.
-    let bits = f64::from(a).to_bits();
-    let offset = bits.wrapping_sub(0x3fe6_a09e_667f_3bcd);
-    let exponent = (offset as i64) >> 52;
-    (exponent as f64, f64::from_bits(bits.wrapping_sub((exponent as u64) << 52)))
+    const SQRT_HALF: u32 = 0x3f35_04f3;
+    let denormal = a < f32::MIN_POSITIVE;
+    let bits = (if denormal { a * 16_777_216.0 } else { a }).to_bits();
+    let exponent = (bits.wrapping_sub(SQRT_HALF) as i32) >> 23;
+    let mantissa = f32::from_bits(bits.wrapping_sub((exponent as u32) << 23));
+    (f64::from(exponent - if denormal { 24 } else { 0 }), f64::from(mantissa))
 }
 
 /// ln m = 2 atanh s for s = (m - 1)/(m + 1), m in [√½, √2).
@@ -146,35 +182,31 @@ fn ln_mantissa(m: f64) -> f64 {
 }
 
 /// The natural logarithm; -∞ at 0, not a number below.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn ln(a: f32) -> f32 {
-    if a > 0.0 && a < f32::INFINITY {
-        let (exponent, mantissa) = split(a);
-        (exponent * LN_2 + ln_mantissa(mantissa)) as f32
-    } else if a == 0.0 {
-        f32::NEG_INFINITY
-    } else if a > 0.0 {
-        a
-    } else {
-        f32::NAN
-    }
+    // Computed for every a and then replaced, so that a loop has no branch.
+    let (exponent, mantissa) = split(a);
+    let value = (exponent * LN_2 + ln_mantissa(mantissa)) as f32;
+    let value = if a == f32::INFINITY { a } else { value };
+    let value = if a == 0.0 { f32::NEG_INFINITY } else { value };
+    if a >= 0.0 { value } else { f32::NAN }
 }
 
 /// e^y rounded to f32, for any y that is a number.
 #[inline(always)]
 fn exp_f64(y: f64) -> f32 {
     let y = y.clamp(-200.0, 200.0);
-    let whole = round(y / LN_2);
+    let (whole, bits) = round(y * LOG2_E);
     let rest = y - whole * LN_2;
     let series =
         [1.0, 1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0, 1.0 / 5_040.0, 1.0 / 40_320.0, 1.0 / 362_880.0, 1.0 / 3_628_800.0, 1.0 / 39_916_800.0];
-    let scale = f64::from_bits(((whole as i64 + 1023) as u64) << 52);
+    let scale = f64::from_bits(((i64::from(bits as i32) + 1023) as u64) << 52);
     (polynomial(rest, series) * scale) as f32
 }
 
 /// e^x.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn exp(x: f32) -> f32 {
     if x.is_nan() { x } else { exp_f64(x.into()) }
@@ -183,7 +215,7 @@ pub fn exp(x: f32) -> f32 {
 /// a^b, not a number where it would be complex.
 ///
 /// 1 for b = 0, whatever a; the sign of a for odd b.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn pow(a: f32, b: f32) -> f32 {
     if b == 0.0 || a == 1.0 {

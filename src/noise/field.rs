@@ -3,7 +3,7 @@
 //! Fractals are those of F. K. Musgrave (Ebert et al., *Texturing and Modeling*, 3rd edition, chapter 16), weights `w_k` = lacunarity^(-k H). Each octave has a
 //! lattice of its own (hash and phase). A fractional number of octaves multiplies the last one's contribution by the remainder.
 
-use super::{Basis, basis::BasisRows, cells::Lattice};
+use super::{Basis, Isa, Kernel, basis::BasisRows, cells::Lattice};
 
 /// How octaves of a basis become one value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,6 +114,7 @@ impl Ridge {
     }
 
     /// Adds an octave that the spacing carries in part or not at all.
+    #[inline(always)]
     fn add_part(&self, octave: &Octave, n: f32, before: Ridged) -> Ridged {
         let crest = self.offset - n.abs();
         let whole = crest * crest * before.opening;
@@ -140,7 +141,7 @@ fn mean_openings(basis: Basis, offset: f32, gain: f32) -> [f32; STEPS + 1] {
 }
 
 /// The table's value at an opening in 0 … 1, between its steps by straight lines.
-#[inline]
+#[inline(always)]
 fn interpolate(table: &[f32; STEPS + 1], opening: f32) -> f32 {
     let at = opening * STEPS as f32;
     let step = (at as usize).min(STEPS - 1);
@@ -227,19 +228,26 @@ impl Field {
         }
     }
 
-    /// The same along rows of samples at the given columns (programme coordinates, ascending).
+    /// The same along rows of samples at the given columns (programme coordinates, ascending), on the instruction set that is active.
     #[must_use]
     pub fn rows(&self, coordinates: &[f64]) -> Rows {
+        self.rows_on(Isa::active(), coordinates)
+    }
+
+    /// The same on a given instruction set.
+    #[must_use]
+    pub fn rows_on(&self, isa: Isa, coordinates: &[f64]) -> Rows {
         let make = |octave: &Octave| {
             let rows = (octave.carried > 0.0).then(|| self.basis.rows(octave.lattice, octave.amplitude, coordinates));
             (*octave, rows)
         };
-        Rows { shape: self.shape, bias: self.bias, octaves: self.octaves.iter().map(make).collect() }
+        Rows { isa, shape: self.shape, bias: self.bias, octaves: self.octaves.iter().map(make).collect() }
     }
 }
 
 /// A field along the rows of a window.
 pub struct Rows {
+    isa: Isa,
     shape: Shape,
     bias: f32,
     octaves: Vec<(Octave, Option<BasisRows>)>,
@@ -248,19 +256,15 @@ pub struct Rows {
 impl Rows {
     /// Goes to the row of programme coordinate `v`.
     pub fn begin(&mut self, v: f64) {
-        for rows in self.octaves.iter_mut().filter_map(|(_, rows)| rows.as_mut()) {
-            rows.begin(v);
-        }
+        self.isa.run(Begin { rows: self, v });
     }
 
     /// Writes the values at the columns from `start` on.
     pub fn fill(&self, start: usize, out: &mut [f32]) {
-        match self.shape {
-            Shape::Sum { hard } => self.fill_sum(hard, start, out),
-            Shape::Ridged(ridge) => self.fill_ridged(&ridge, start, out),
-        }
+        self.isa.run(Fill { rows: self, start, out });
     }
 
+    #[inline(always)]
     fn fill_sum(&self, hard: bool, start: usize, out: &mut [f32]) {
         out.fill(self.bias);
         let mut scratch = [0.0_f32; CHUNK];
@@ -277,6 +281,7 @@ impl Rows {
         }
     }
 
+    #[inline(always)]
     fn fill_ridged(&self, ridge: &Ridge, start: usize, out: &mut [f32]) {
         let (mut noise, mut opening) = ([0.0_f32; CHUNK], [0.0_f32; CHUNK]);
         for (chunk, out) in out.chunks_mut(CHUNK).enumerate() {
@@ -294,6 +299,42 @@ impl Rows {
                     step(out, noise, &mut opening, |n, before| ridge.add_part(octave, n, before));
                 }
             }
+        }
+    }
+}
+
+/// [`Rows::begin`].
+struct Begin<'a> {
+    rows: &'a mut Rows,
+    v: f64,
+}
+
+impl Kernel for Begin<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for rows in self.rows.octaves.iter_mut().filter_map(|(_, rows)| rows.as_mut()) {
+            rows.begin(self.v);
+        }
+    }
+}
+
+/// [`Rows::fill`].
+struct Fill<'a> {
+    rows: &'a Rows,
+    start: usize,
+    out: &'a mut [f32],
+}
+
+impl Kernel for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        match &self.rows.shape {
+            Shape::Sum { hard } => self.rows.fill_sum(*hard, self.start, self.out),
+            Shape::Ridged(ridge) => self.rows.fill_ridged(ridge, self.start, self.out),
         }
     }
 }
@@ -329,23 +370,25 @@ mod tests {
             for basis in Basis::all() {
                 for (origin, spacing) in [(0.0, 0.0031), (-3.7, 0.11), (5.4e7, 0.013), (12.25, 0.6), (-1e9, 7.3), (0.0, 1e-9)] {
                     for field in [Field::exact(shape, basis, 99), Field::banded(shape, basis, 99, spacing)] {
-                        check_rows(&field, origin, spacing);
+                        for isa in Isa::ALL {
+                            check_rows(&field, isa, origin, spacing);
+                        }
                     }
                 }
             }
         }
     }
 
-    fn check_rows(field: &Field, origin: f64, spacing: f64) {
+    fn check_rows(field: &Field, isa: Isa, origin: f64, spacing: f64) {
         let columns: Vec<f64> = (0..77).map(|i| origin + f64::from(i) * spacing).collect();
-        let mut rows = field.rows(&columns);
+        let mut rows = field.rows_on(isa, &columns);
         let mut line = vec![0.0; 60];
         for j in [0, 1, 2, 9, 8, 7, 40] {
             let v = origin * 0.5 - f64::from(j) * spacing;
             rows.begin(v);
             rows.fill(17, &mut line);
             for (got, &u) in line.iter().zip(&columns[17..]) {
-                assert_eq!(got.to_bits(), field.at(u, v).to_bits(), "{field:?} at {u} {v}");
+                assert_eq!(got.to_bits(), field.at(u, v).to_bits(), "{isa:?} {field:?} at {u} {v}");
             }
         }
     }

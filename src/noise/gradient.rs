@@ -47,7 +47,7 @@ const EDGE_GRADIENTS: [[f32; 2]; 12] =
     [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [1.0, 0.0], [-1.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [0.0, 1.0], [0.0, -1.0]];
 
 impl Gradients {
-    #[inline]
+    #[inline(always)]
     fn of(self, hash: u32) -> [f32; 2] {
         match self {
             Gradients::Unit => UNIT_GRADIENTS[(hash >> 28) as usize],
@@ -56,6 +56,7 @@ impl Gradients {
     }
 
     /// What brings the greatest value to 1: four gradients pointing at a cell's centre give 1/√2 and 1.
+    #[inline(always)]
     fn scale(self) -> f32 {
         match self {
             Gradients::Unit => core::f32::consts::SQRT_2,
@@ -63,6 +64,7 @@ impl Gradients {
         }
     }
 
+    #[inline(always)]
     pub(super) fn fade(self) -> Fade {
         match self {
             Gradients::Unit => Fade::Cubic,
@@ -81,7 +83,7 @@ struct Across {
 
 impl Across {
     /// A and B of one lattice column, from its gradients below (south) and above (north) the sample row.
-    #[inline]
+    #[inline(always)]
     fn line(self, south: [f32; 2], north: [f32; 2]) -> [f32; 2] {
         let below = south[1] * self.fraction;
         let above = north[1] * (self.fraction - 1.0);
@@ -92,7 +94,7 @@ impl Across {
 }
 
 /// The value between the line of the lattice column on the left and that on the right.
-#[inline]
+#[inline(always)]
 fn between(left: [f32; 2], right: [f32; 2], fraction: f32, fade: f32) -> f32 {
     let l = left[0] + left[1] * fraction;
     let r = (right[0] - right[1]) + right[1] * fraction;
@@ -109,12 +111,17 @@ pub(super) fn at(gradients: Gradients, lattice: &Lattice, amplitude: f32, u: f64
     between(line(column.cell), line(column.cell + 1), column.fraction as f32, fade.weight(column.fraction) as f32)
 }
 
+/// Fewest samples a cell, on average, for which a loop over each cell's samples is worth its beginning.
+const WIDE: usize = 12;
+
 /// The noise along the rows of a window.
 pub(super) struct GradientRows {
     gradients: Gradients,
     lattice: Lattice,
     amplitude: f32,
     columns: Columns,
+    /// Where each column's cell stands among the lattice columns; empty where cells are wide.
+    nodes: Vec<u32>,
     corners: RowCache<Vec<[f32; 2]>>,
     /// A and B of every lattice column of the present row.
     lines: Vec<[f32; 2]>,
@@ -123,11 +130,14 @@ pub(super) struct GradientRows {
 impl GradientRows {
     pub(super) fn new(gradients: Gradients, lattice: Lattice, amplitude: f32, coordinates: &[f64]) -> Self {
         let columns = Columns::new(&lattice, gradients.fade(), coordinates, 0, 1);
-        let nodes = columns.keys.len();
-        Self { gradients, lattice, amplitude, columns, corners: RowCache::new(2, || vec![[0.0; 2]; nodes]), lines: vec![[0.0; 2]; nodes] }
+        let wide = coordinates.len() >= WIDE * columns.runs.len();
+        let nodes = if wide { Vec::new() } else { columns.runs.iter().flat_map(|run| (run.start..run.end).map(|_| run.node as u32)).collect() };
+        let count = columns.keys.len();
+        Self { gradients, lattice, amplitude, columns, nodes, corners: RowCache::new(2, || vec![[0.0; 2]; count]), lines: vec![[0.0; 2]; count] }
     }
 
     /// Goes to the row of programme coordinate `v`.
+    #[inline(always)]
     pub(super) fn begin(&mut self, v: f64) {
         let position = self.lattice.locate(1, v);
         let Self { gradients, columns, lattice, .. } = self;
@@ -145,13 +155,31 @@ impl GradientRows {
     }
 
     /// Writes the noise at the columns from `start` on.
+    #[inline(always)]
     pub(super) fn fill(&self, start: usize, out: &mut [f32]) {
+        if self.nodes.is_empty() { self.fill_cells(start, out) } else { self.fill_samples(start, out) }
+    }
+
+    /// Cell by cell: within one, the lines are the same for all samples.
+    #[inline(always)]
+    fn fill_cells(&self, start: usize, out: &mut [f32]) {
         for run in self.columns.runs_within(start, start + out.len()) {
             let (left, right) = (self.lines[run.node], self.lines[run.node + 1]);
             let samples = self.columns.fraction[run.start..run.end].iter().zip(&self.columns.fade[run.start..run.end]);
             for (out, (&fraction, &fade)) in out[run.start - start..run.end - start].iter_mut().zip(samples) {
                 *out = between(left, right, fraction, fade);
             }
+        }
+    }
+
+    /// Sample by sample: each fetches its own lines.
+    #[inline(always)]
+    fn fill_samples(&self, start: usize, out: &mut [f32]) {
+        let end = start + out.len();
+        let samples = self.nodes[start..end].iter().zip(self.columns.fraction[start..end].iter().zip(&self.columns.fade[start..end]));
+        for (out, (&node, (&fraction, &fade))) in out.iter_mut().zip(samples) {
+            let node = node as usize;
+            *out = between(self.lines[node], self.lines[node + 1], fraction, fade);
         }
     }
 }

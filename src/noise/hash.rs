@@ -16,13 +16,13 @@ pub fn key(parent: u64, number: u64) -> u64 {
 }
 
 /// A column's share of a corner's hash.
-#[inline]
+#[inline(always)]
 pub(super) fn column_key(i: i64) -> u32 {
     (i as u32).wrapping_mul(0x9e37_79b1) ^ ((i >> 32) as u32).wrapping_mul(0x27d4_eb2f)
 }
 
 /// A row's share of a corner's hash, the lattice's seed included.
-#[inline]
+#[inline(always)]
 pub(super) fn row_key(j: i64, seed: u32) -> u32 {
     (j as u32).wrapping_mul(0x85eb_ca77) ^ ((j >> 32) as u32).wrapping_mul(0xc2b2_ae3d) ^ seed
 }
@@ -30,7 +30,7 @@ pub(super) fn row_key(j: i64, seed: u32) -> u32 {
 /// The 32 random bits of a lattice corner.
 ///
 /// Two rounds of xor-shift and multiply (constants of C. Wellons' prospector search, 2018).
-#[inline]
+#[inline(always)]
 pub(super) fn corner(column: u32, row: u32) -> u32 {
     let h = column ^ row;
     let h = (h ^ (h >> 16)).wrapping_mul(0x21f0_aaad);

@@ -10,10 +10,13 @@ pub mod elementary;
 mod field;
 mod gradient;
 mod hash;
+#[expect(unsafe_code, reason = "calling a function compiled for more than the baseline")]
+mod isa;
 mod moments;
 
 pub use basis::Basis;
 pub use cellular::Metric;
 pub use field::{Field, FieldShape, Rows};
 pub use hash::{key, mix};
+pub use isa::{Isa, Kernel};
 pub use moments::Moments;

@@ -7,13 +7,17 @@ use super::{
     reference,
     tape::{Instruction, Tape},
 };
-use crate::{geometry::Window, noise::Rows};
+use crate::{
+    geometry::Window,
+    noise::{Isa, Kernel, Rows, elementary},
+};
 
 /// Samples a block: registers of a typical programme stay within the first-level cache.
 const BLOCK: usize = 256;
 
 /// A tape prepared for a window.
 pub(super) struct Evaluation<'a> {
+    isa: Isa,
     tape: &'a Tape,
     frame: &'a Frame,
     /// Programme coordinates of the columns.
@@ -24,12 +28,12 @@ pub(super) struct Evaluation<'a> {
 }
 
 impl<'a> Evaluation<'a> {
-    pub(super) fn new(tape: &'a Tape, frame: &'a Frame, window: &Window) -> Self {
+    pub(super) fn new(isa: Isa, tape: &'a Tape, frame: &'a Frame, window: &Window) -> Self {
         let columns: Vec<f64> = window.columns.coordinates().map(|x| (x - frame.origin[0]) / frame.scale).collect();
         let mut keys = Keys::new(frame.seed);
         let fields = tape.noises.iter().filter_map(|node| reference::field(node, &mut keys, frame, window.spacing(), window.filter));
-        let noises = fields.map(|field| field.rows(&columns)).collect();
-        Self { tape, frame, columns, noises, registers: vec![0.0; tape.registers * BLOCK], non_finite: 0 }
+        let noises = fields.map(|field| field.rows_on(isa, &columns)).collect();
+        Self { isa, tape, frame, columns, noises, registers: vec![0.0; tape.registers * BLOCK], non_finite: 0 }
     }
 
     pub(super) fn run(mut self, window: &Window, out: &mut [f32]) -> u64 {
@@ -66,67 +70,108 @@ impl<'a> Evaluation<'a> {
                 }
                 Instruction::X { .. } => {
                     at.iter_mut().zip(&self.columns[start..]).for_each(|(at, &u)| *at = u as f32);
-                    keep_finite(at)
+                    keep_finite(self.isa, at)
                 }
                 Instruction::Y { .. } => {
                     at.fill(v as f32);
-                    keep_finite(at)
+                    keep_finite(self.isa, at)
                 }
                 Instruction::Noise { noise, .. } => {
                     self.noises[noise].fill(start, at);
-                    keep_finite(at)
+                    keep_finite(self.isa, at)
                 }
-                Instruction::Unary { operation, .. } => unary(operation, at),
-                Instruction::Binary { operation, .. } => binary(operation, at, Right::Register(&rest[..count])),
-                Instruction::BinaryRight { operation, right, .. } => binary(operation, at, Right::Number(right)),
-                Instruction::BinaryLeft { operation, left, .. } => binary_left(operation, left, at),
+                Instruction::Unary { operation, .. } => unary(self.isa, operation, at),
+                Instruction::Binary { operation, .. } => binary(self.isa, operation, at, Right::Register(&rest[..count])),
+                Instruction::BinaryRight { operation, right, .. } => binary(self.isa, operation, at, Right::Number(right)),
+                Instruction::BinaryLeft { operation, left, .. } => binary_left(self.isa, operation, left, at),
             };
         }
     }
 }
 
 /// Replaces what is not finite by 0 and counts it.
-fn keep_finite(values: &mut [f32]) -> u64 {
-    map(values, |a| a)
+fn keep_finite(isa: Isa, values: &mut [f32]) -> u64 {
+    map(isa, values, |a| a)
 }
 
 /// Applies `function` to every value, replaces what is not finite by 0 and counts it.
-#[inline(always)]
-fn map(values: &mut [f32], function: impl Fn(f32) -> f32) -> u64 {
-    let mut count = 0_u32;
-    for value in values {
-        let result = function(*value);
-        let finite = result.is_finite();
-        *value = if finite { result } else { 0.0 };
-        count += u32::from(!finite);
+fn map(isa: Isa, values: &mut [f32], function: impl Fn(f32) -> f32) -> u64 {
+    isa.run(Map { values, function })
+}
+
+struct Map<'a, F> {
+    values: &'a mut [f32],
+    function: F,
+}
+
+impl<F: Fn(f32) -> f32> Kernel for Map<'_, F> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run(self) -> u64 {
+        // As locals, what the function holds is known to stay as it is while values are written.
+        let Self { values, function } = self;
+        let mut count = 0_u32;
+        for value in values {
+            let result = function(*value);
+            let finite = result.is_finite();
+            *value = if finite { result } else { 0.0 };
+            count += u32::from(!finite);
+        }
+        count.into()
     }
-    count.into()
 }
 
 /// As [`map`], with a second operand for every value.
-#[inline(always)]
-fn zip(values: &mut [f32], others: &[f32], function: impl Fn(f32, f32) -> f32) -> u64 {
-    let mut count = 0_u32;
-    for (value, &other) in values.iter_mut().zip(others) {
-        let result = function(*value, other);
-        let finite = result.is_finite();
-        *value = if finite { result } else { 0.0 };
-        count += u32::from(!finite);
-    }
-    count.into()
+fn zip(isa: Isa, values: &mut [f32], others: &[f32], function: impl Fn(f32, f32) -> f32) -> u64 {
+    isa.run(Zip { values, others, function })
 }
 
-/// Runs the body once for each operation with the operation known to the compiler, so that every loop is specialised.
+struct Zip<'a, F> {
+    values: &'a mut [f32],
+    others: &'a [f32],
+    function: F,
+}
+
+impl<F: Fn(f32, f32) -> f32> Kernel for Zip<'_, F> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run(self) -> u64 {
+        let Self { values, others, function } = self;
+        let mut count = 0_u32;
+        for (value, &other) in values.iter_mut().zip(others) {
+            let result = function(*value, other);
+            let finite = result.is_finite();
+            *value = if finite { result } else { 0.0 };
+            count += u32::from(!finite);
+        }
+        count.into()
+    }
+}
+
+/// A match over operations whose arms name the operation as a constant, also within closures: so every loop is compiled for its own operation.
 macro_rules! specialise {
-    ($kind:ident, $operation:expr, [$($variant:ident),*], $body:expr) => {
+    ($kind:ident, [$($variant:ident),*], $operation:expr, $constant:ident => $body:expr) => {
         match $operation {
-            $($kind::$variant => $body($kind::$variant),)*
+            $($kind::$variant => {
+                const $constant: $kind = $kind::$variant;
+                $body
+            })*
         }
     };
 }
 
-fn unary(operation: Unary, at: &mut [f32]) -> u64 {
-    specialise!(Unary, operation, [Sin, Cos, Tan, Atan, Negative, Abs, Log, Sqrt], |operation: Unary| map(at, |a| operation.apply(a)))
+fn unary(isa: Isa, operation: Unary, at: &mut [f32]) -> u64 {
+    // Nearly all angles are small, and those need no branch.
+    let small = at.iter().all(|a| a.abs() <= elementary::SMALL);
+    match operation {
+        Unary::Sin if small => return map(isa, at, elementary::sin_small),
+        Unary::Cos if small => return map(isa, at, elementary::cos_small),
+        Unary::Tan if small => return map(isa, at, elementary::tan_small),
+        _ => {}
+    }
+    specialise!(Unary, [Sin, Cos, Tan, Atan, Negative, Abs, Log, Sqrt], operation, OPERATION => map(isa, at, |a| OPERATION.apply(a)))
 }
 
 #[derive(Clone, Copy)]
@@ -135,15 +180,15 @@ enum Right<'a> {
     Number(f32),
 }
 
-fn binary(operation: Binary, at: &mut [f32], right: Right<'_>) -> u64 {
-    specialise!(Binary, operation, [Plus, Minus, Multiply, Divide, Power, Mod, Min, Max], |operation: Binary| match right {
-        Right::Register(right) => zip(at, right, |a, b| operation.apply(a, b)),
-        Right::Number(right) => map(at, |a| operation.apply(a, right)),
+fn binary(isa: Isa, operation: Binary, at: &mut [f32], right: Right<'_>) -> u64 {
+    specialise!(Binary, [Plus, Minus, Multiply, Divide, Power, Mod, Min, Max], operation, OPERATION => match right {
+        Right::Register(right) => zip(isa, at, right, |a, b| OPERATION.apply(a, b)),
+        Right::Number(right) => map(isa, at, |a| OPERATION.apply(a, right)),
     })
 }
 
-fn binary_left(operation: Binary, left: f32, at: &mut [f32]) -> u64 {
-    specialise!(Binary, operation, [Plus, Minus, Multiply, Divide, Power, Mod, Min, Max], |operation: Binary| map(at, |b| operation.apply(left, b)))
+fn binary_left(isa: Isa, operation: Binary, left: f32, at: &mut [f32]) -> u64 {
+    specialise!(Binary, [Plus, Minus, Multiply, Divide, Power, Mod, Min, Max], operation, OPERATION => map(isa, at, |b| OPERATION.apply(left, b)))
 }
 
 #[cfg(test)]
@@ -166,6 +211,11 @@ mod tests {
                 let window = window.band(0, window.rows.len().min(5));
                 let mut out = vec![0.0; window.samples()];
                 let non_finite = tape.evaluate(&FRAME, &window, &mut out);
+                for isa in Isa::ALL {
+                    let mut other = vec![0.0; window.samples()];
+                    assert_eq!(tape.evaluate_on(isa, &FRAME, &window, &mut other), non_finite);
+                    assert!(out.iter().zip(&other).all(|(a, b)| a.to_bits() == b.to_bits()), "{text} on {isa:?}");
+                }
                 let mut counted = 0;
                 for (row, y) in out.chunks(window.columns.len()).zip(window.rows.coordinates()) {
                     for (got, x) in row.iter().zip(window.columns.coordinates()) {

@@ -6,7 +6,7 @@ use super::{
     node::Node,
     operation::{Binary, Operation, Unary},
 };
-use crate::geometry::Window;
+use crate::{geometry::Window, noise::Isa};
 
 /// One step of a tape. Registers hold a block of samples each.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,8 +68,16 @@ impl Tape {
     /// # Panics
     /// If `out` has not one element a sample.
     pub fn evaluate(&self, frame: &Frame, window: &Window, out: &mut [f32]) -> u64 {
+        self.evaluate_on(Isa::active(), frame, window, out)
+    }
+
+    /// As [`Tape::evaluate`], on a given instruction set: the same bits, in another time.
+    ///
+    /// # Panics
+    /// If `out` has not one element a sample.
+    pub fn evaluate_on(&self, isa: Isa, frame: &Frame, window: &Window, out: &mut [f32]) -> u64 {
         assert_eq!(out.len(), window.samples(), "one element a sample");
-        Evaluation::new(self, frame, window).run(window, out)
+        Evaluation::new(isa, self, frame, window).run(window, out)
     }
 
     /// Compiles a node so that its value lands in register `to`, unless it is a number.

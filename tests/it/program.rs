@@ -200,6 +200,24 @@ fn render_writes_every_format_from_files_and_stored_worlds() {
 }
 
 #[test]
+fn every_instruction_set_renders_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let programme = "plus(log(fbm(1, 2, 8)), plus(sin(multiply(9, ridged_multifractal(1, 2, 6, 1, 2))), mod(voronoi_f2, 0.3)))";
+    std::fs::write(folder.path().join("w.json"), format!(r#"{{"seed":1,"base":{{"programme":"{programme}","scale":1000}}}}"#)).unwrap();
+    let render = |isa: &str| {
+        let arguments = ["render", "w.json", "--bbox", "-9000,0,1007,5003", "--spacing", "17", "-o", "out.r32"];
+        let done = Command::new(TERRANE).env_clear().env("TERRANE_ISA", isa).args(arguments).current_dir(folder.path()).output().unwrap();
+        done.status.success().then(|| std::fs::read(folder.path().join("out.r32")).unwrap()).ok_or_else(|| text(&done.stderr))
+    };
+    let baseline = render("baseline").unwrap();
+    for isa in terrane::noise::Isa::ALL.into_iter().filter(|isa| isa.is_available()) {
+        assert!(render(isa.name()).unwrap() == baseline, "{}", isa.name());
+    }
+    let unknown = render("sse9").unwrap_err();
+    assert!(unknown.starts_with("error: TERRANE_ISA: this machine has baseline") && unknown.ends_with(", got sse9\n"), "{unknown}");
+}
+
+#[test]
 fn wrong_configuration_is_named_in_full() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("t.toml"), "[server]\nthreads = 5000\n[limits]\nworld_bytes = 0\n").unwrap();
