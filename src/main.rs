@@ -184,7 +184,7 @@ fn world(name: &str, data: Option<&Path>) -> anyhow::Result<World> {
     let Some(stored) = worlds.iter().find(|world| world.name == name) else {
         bail!("{name} is neither a file nor one of the worlds in {}: {}", folder.display(), names.join(", "));
     };
-    Ok(World::new(Document::parse_stored(stored.body.as_bytes())?))
+    Ok(World::new(Document::parse_stored(stored.body.as_bytes()).with_context(|| format!("the stored world {name}"))?))
 }
 
 fn render(arguments: &RenderArguments) -> anyhow::Result<()> {

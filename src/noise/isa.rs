@@ -51,11 +51,12 @@ impl Isa {
 
     /// The widest set of this machine, or the one that the environment variable `TERRANE_ISA` names, found once.
     ///
-    /// A name that is unknown or not this machine's is an error of [`Isa::from_environment`], which programs call first; here it leaves the widest.
+    /// # Panics
+    /// If the name is unknown or not this machine's. Programs call [`Isa::from_environment`] first, which says so as an error.
     #[must_use]
     pub fn active() -> Self {
         static ACTIVE: OnceLock<Isa> = OnceLock::new();
-        *ACTIVE.get_or_init(|| Self::from_environment().ok().flatten().unwrap_or_else(Self::widest))
+        *ACTIVE.get_or_init(|| Self::from_environment().expect("a set that this machine has").unwrap_or_else(Self::widest))
     }
 
     fn widest() -> Self {

@@ -211,7 +211,11 @@ impl FromRequestParts<App> for WriteCondition {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
-        let tags = |name| entity_tags(&parts.headers, name).ok_or_else(|| ApiError::BadRequest("An entity tag is not readable.".to_owned(), Vec::new()));
+        // A condition that cannot be read must not become none: a header that is there holds tags, or the request is refused.
+        let tags = |name: header::HeaderName| {
+            let read = entity_tags(&parts.headers, name.clone()).filter(|tags| !tags.is_empty() || !parts.headers.contains_key(&name));
+            read.ok_or_else(|| ApiError::BadRequest(format!("The header {name} holds no readable entity tag."), Vec::new()))
+        };
         let (matching, other) = (tags(header::IF_MATCH)?, tags(header::IF_NONE_MATCH)?);
         if matching.iter().any(|tag| tag.starts_with("W/")) {
             let detail = "If-Match compares strong entity tags; W/… was weakened on the way, by a proxy that compresses: use the revision itself, in quotes.";

@@ -222,23 +222,30 @@ mod tests {
         assert_eq!(tiles.get(fingerprint(1), 1.0, || Ok(Vec::new())).await.expect("cached").len(), 100);
     }
 
+    /// One leaves a tile that is being evaluated, one a tile that still waits for its turn; others want both.
     #[tokio::test]
     async fn a_caller_that_leaves_takes_nothing_from_others() {
         let tiles = tiles(1, 10);
         let (open, gate) = mpsc::channel::<()>();
-        let first = tiles.get(fingerprint(2), 1.0, move || {
+        let (begins, begun) = oneshot::channel();
+        let mut running = Box::pin(tiles.get(fingerprint(2), 1.0, move || {
+            begins.send(()).expect("the test waits");
             gate.recv_timeout(Duration::from_secs(10)).expect("opened");
             Ok(vec![1])
-        });
-        let second = async {
-            let second = tiles.get(fingerprint(2), 1.0, || Ok(vec![2]));
-            open.send(()).expect("still under way");
-            second.await
-        };
-        let leaving = tokio::time::timeout(Duration::from_millis(20), first);
-        assert!(leaving.await.is_err());
-        assert_eq!(second.await.expect("made")[..], [1]);
-        assert_eq!(tiles.evaluations(), 1);
+        }));
+        tokio::select! {
+            _ = &mut running => panic!("the gate is closed"),
+            begun = begun => begun.expect("it begins"),
+        }
+        let mut queued = Box::pin(tiles.get(fingerprint(10), 1.0, || Ok(vec![10])));
+        let mut other = Box::pin(tiles.get(fingerprint(10), 1.0, || Ok(vec![11])));
+        assert!((&mut queued).now_or_never().is_none() && (&mut other).now_or_never().is_none());
+        drop((running, queued));
+        let late = tiles.get(fingerprint(2), 1.0, || Ok(vec![2]));
+        open.send(()).expect("still under way");
+        let (late, other) = tokio::join!(late, other);
+        assert_eq!((&late.expect("made")[..], &other.expect("made")[..]), (&[1][..], &[10][..]));
+        assert_eq!(tiles.evaluations(), 2);
     }
 
     #[tokio::test]

@@ -3,7 +3,7 @@
 use super::{Document, Revision, fingerprint::Prefix};
 use crate::{
     geometry::{Source, Surface, Window},
-    programme::{Frame, Tape},
+    programme::{Frame, Tape, cost_ns},
 };
 use rayon::prelude::*;
 
@@ -26,6 +26,7 @@ pub struct World {
     revision: Revision,
     tape: Tape,
     frame: Frame,
+    cost_ns: f64,
     pub(super) prefix: Prefix,
 }
 
@@ -36,7 +37,7 @@ impl World {
         let base = &document.base;
         let tape = Tape::compile(base.programme.root());
         let frame = Frame { seed: document.seed, scale: base.scale, origin: base.origin };
-        Self { revision: document.revision(), tape, frame, prefix: Prefix::new(&document), document }
+        Self { revision: document.revision(), tape, frame, cost_ns: cost_ns(base.programme.root()), prefix: Prefix::new(&document), document }
     }
 
     /// The document.
@@ -54,7 +55,7 @@ impl World {
     /// The predicted cost of evaluation, in nanoseconds a sample.
     #[must_use]
     pub fn cost_ns(&self) -> f64 {
-        crate::programme::cost_ns(self.document.base.programme.root())
+        self.cost_ns
     }
 
     /// The terrain over a window, on the calling thread.

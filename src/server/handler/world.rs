@@ -118,6 +118,11 @@ pub(crate) async fn post_world(
     };
     let mut last = String::new();
     for name in names {
+        // Most taken names are known without compiling the world for them.
+        if app.0.worlds.get(&name).is_some() {
+            last = name;
+            continue;
+        }
         match save(&app, name.clone(), document.clone(), Condition::Absent).await {
             Ok((_, live)) => return Ok(created(&url, &live)),
             Err(ApiError::PreconditionFailed(_)) => last = name,
