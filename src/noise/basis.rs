@@ -1,14 +1,14 @@
 //! The noises that stand alone and that fractals are made of.
 
 use super::{
-    Metric,
+    Feature, Metric,
     cells::Lattice,
     cellular::{self, DistanceRows, ValueRows},
     gradient::{self, GradientRows, Gradients},
 };
 
 /// A noise in a unit lattice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Basis {
     /// Perlin 1985: cubic fade, unit gradients; in [-1, 1].
     OPerlin,
@@ -16,10 +16,12 @@ pub enum Basis {
     IPerlin,
     /// One value a cell, in [0, 1).
     CellNoise,
-    /// Distance to the nearest (`order` 1) or second nearest (`order` 2) of one random point a cell.
+    /// Gradient noise with a radial cubic kernel, as in Blender; in [-1, 1].
+    Blender,
+    /// A measure of the distances to the nearest of one random point a cell.
     Voronoi {
-        /// 1 or 2.
-        order: u8,
+        /// Which measure.
+        feature: Feature,
         /// How distance is measured.
         metric: Metric,
     },
@@ -28,8 +30,8 @@ pub enum Basis {
 impl Basis {
     /// Every basis with every metric.
     pub fn all() -> impl Iterator<Item = Basis> {
-        let voronoi = [1, 2].into_iter().flat_map(|order| Metric::ALL.map(move |metric| Basis::Voronoi { order, metric }));
-        [Basis::OPerlin, Basis::IPerlin, Basis::CellNoise].into_iter().chain(voronoi)
+        let voronoi = Feature::ALL.into_iter().flat_map(|feature| Metric::ALL.map(move |metric| Basis::Voronoi { feature, metric }));
+        [Basis::OPerlin, Basis::IPerlin, Basis::Blender, Basis::CellNoise].into_iter().chain(voronoi)
     }
 
     fn gradients(self) -> Option<Gradients> {
@@ -46,7 +48,8 @@ impl Basis {
             return gradient::at(gradients, lattice, amplitude, u, v);
         }
         let value = match self {
-            Basis::Voronoi { order, metric } => cellular::distance_at(metric, order.into(), lattice, u, v),
+            Basis::Voronoi { feature, metric } => cellular::feature_at(metric, feature, lattice, u, v),
+            Basis::Blender => gradient::blender_at(lattice, u, v),
             _ => cellular::value_at(lattice, u, v),
         };
         amplitude * value
@@ -57,7 +60,12 @@ impl Basis {
             return BasisRows::Gradient(GradientRows::new(gradients, lattice, amplitude, coordinates));
         }
         match self {
-            Basis::Voronoi { order, metric } => BasisRows::Distance(DistanceRows::new(metric, order.into(), lattice, coordinates), amplitude),
+            Basis::Voronoi { feature: feature @ (Feature::F1 | Feature::F2), metric } if !matches!(metric, Metric::Minkowski { .. }) => {
+                BasisRows::Distance(DistanceRows::new(metric, feature, lattice, coordinates), amplitude)
+            }
+            Basis::Voronoi { .. } | Basis::Blender => {
+                BasisRows::Points { basis: self, lattice, amplitude, columns: coordinates.to_vec(), row: 0.0 }
+            }
             _ => BasisRows::Value(ValueRows::new(lattice, coordinates), amplitude),
         }
     }
@@ -68,6 +76,8 @@ pub(super) enum BasisRows {
     Gradient(GradientRows),
     Distance(DistanceRows, f32),
     Value(ValueRows, f32),
+    /// Sample by sample.
+    Points { basis: Basis, lattice: Lattice, amplitude: f32, columns: Vec<f64>, row: f64 },
 }
 
 impl BasisRows {
@@ -77,6 +87,7 @@ impl BasisRows {
             BasisRows::Gradient(rows) => rows.begin(v),
             BasisRows::Distance(rows, _) => rows.begin(v),
             BasisRows::Value(rows, _) => rows.begin(v),
+            BasisRows::Points { row, .. } => *row = v,
         }
     }
 
@@ -91,6 +102,12 @@ impl BasisRows {
             BasisRows::Value(rows, amplitude) => {
                 rows.fill(start, out);
                 *amplitude
+            }
+            BasisRows::Points { basis, lattice, amplitude, columns, row } => {
+                for (out, &u) in out.iter_mut().zip(&columns[start..]) {
+                    *out = basis.at(lattice, *amplitude, u, *row);
+                }
+                return;
             }
         };
         for value in out {

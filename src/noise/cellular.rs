@@ -5,11 +5,11 @@
 
 use super::{
     cells::{Columns, Fade, Lattice, RowCache},
-    hash,
+    elementary, hash,
 };
 
 /// How far apart two points are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Metric {
     /// Euclidean distance.
     #[default]
@@ -20,10 +20,61 @@ pub enum Metric {
     Manhattan,
     /// max(|dx|, |dy|).
     Chebychev,
+    /// (|dx|^e + |dy|^e)^(1/e).
+    Minkowski {
+        /// e, at least 0.5.
+        exponent: f32,
+    },
+}
+
+/// Which measure of the distances to the nearest points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Feature {
+    /// The distance to the nearest point.
+    F1,
+    /// To the second nearest.
+    F2,
+    /// To the third nearest.
+    F3,
+    /// To the fourth nearest.
+    F4,
+    /// F2 - F1.
+    F2F1,
+    /// min(1, 10 (F2 - F1)).
+    Crackle,
+}
+
+impl Feature {
+    /// Every feature.
+    pub const ALL: [Feature; 6] = [Feature::F1, Feature::F2, Feature::F3, Feature::F4, Feature::F2F1, Feature::Crackle];
+
+    /// How many of the nearest points must be known.
+    #[inline(always)]
+    fn order(self) -> usize {
+        match self {
+            Feature::F1 => 1,
+            Feature::F2 | Feature::F2F1 | Feature::Crackle => 2,
+            Feature::F3 => 3,
+            Feature::F4 => 4,
+        }
+    }
+
+    #[inline(always)]
+    fn of(self, distances: [f32; 4]) -> f32 {
+        let [f1, f2, f3, f4] = distances;
+        match self {
+            Feature::F1 => f1,
+            Feature::F2 => f2,
+            Feature::F3 => f3,
+            Feature::F4 => f4,
+            Feature::F2F1 => f2 - f1,
+            Feature::Crackle => smaller(1.0, 10.0 * (f2 - f1)),
+        }
+    }
 }
 
 impl Metric {
-    /// Every metric.
+    /// Every metric without a parameter.
     pub const ALL: [Metric; 4] = [Metric::Distance, Metric::Squared, Metric::Manhattan, Metric::Chebychev];
 
     /// The name in programmes.
@@ -34,6 +85,7 @@ impl Metric {
             Metric::Squared => "squared",
             Metric::Manhattan => "manhattan",
             Metric::Chebychev => "chebychev",
+            Metric::Minkowski { .. } => "minkowski",
         }
     }
 
@@ -44,6 +96,7 @@ impl Metric {
             Metric::Distance | Metric::Squared => dx * dx + dy * dy,
             Metric::Manhattan => dx.abs() + dy.abs(),
             Metric::Chebychev => larger(dx.abs(), dy.abs()),
+            Metric::Minkowski { exponent } => elementary::pow(dx.abs(), exponent) + elementary::pow(dy.abs(), exponent),
         }
     }
 
@@ -53,6 +106,7 @@ impl Metric {
         match self {
             Metric::Distance | Metric::Squared => d * d,
             Metric::Manhattan | Metric::Chebychev => d,
+            Metric::Minkowski { exponent } => elementary::pow(d, exponent),
         }
     }
 
@@ -61,6 +115,7 @@ impl Metric {
     fn distance(self, compared: f32) -> f32 {
         match self {
             Metric::Distance => compared.sqrt(),
+            Metric::Minkowski { exponent } => elementary::pow(compared, 1.0 / exponent),
             _ => compared,
         }
     }
@@ -76,15 +131,15 @@ fn larger(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
 }
 
-/// The two least compared measures so far.
+/// The four least compared measures so far.
 #[derive(Clone, Copy)]
-struct Nearest([f32; 2]);
+struct Nearest([f32; 4]);
 
 impl Nearest {
     #[inline(always)]
     fn add(&mut self, d: f32) {
-        let [first, second] = self.0;
-        self.0 = [smaller(first, d), smaller(second, larger(first, d))];
+        let [first, second, third, fourth] = self.0;
+        self.0 = [smaller(first, d), smaller(second, larger(first, d)), smaller(third, larger(second, d)), smaller(fourth, larger(third, d))];
     }
 }
 
@@ -122,15 +177,15 @@ fn finish(metric: Metric, seed: u32, cell: [i64; 2], at: [f32; 2], mut ring: i64
     }
 }
 
-/// The distance to the `order`-th nearest point (1 or 2).
-pub(super) fn distance_at(metric: Metric, order: usize, lattice: &Lattice, u: f64, v: f64) -> f32 {
+/// The feature at a point.
+pub(super) fn feature_at(metric: Metric, feature: Feature, lattice: &Lattice, u: f64, v: f64) -> f32 {
     let (column, row) = (lattice.locate(0, u), lattice.locate(1, v));
     let (cell, at) = ([column.cell, row.cell], [column.fraction as f32, row.fraction as f32]);
-    let mut nearest = Nearest([f32::INFINITY; 2]);
+    let mut nearest = Nearest([f32::INFINITY; 4]);
     add_ring(metric, lattice.seed, cell, at, 0, &mut nearest);
     add_ring(metric, lattice.seed, cell, at, 1, &mut nearest);
-    finish(metric, lattice.seed, cell, at, 2, order, &mut nearest);
-    metric.distance(nearest.0[order - 1])
+    finish(metric, lattice.seed, cell, at, 2, feature.order(), &mut nearest);
+    feature.of(nearest.0.map(|d| metric.distance(d)))
 }
 
 /// Distances along the rows of a window.
@@ -147,11 +202,11 @@ pub(super) struct DistanceRows {
 }
 
 impl DistanceRows {
-    pub(super) fn new(metric: Metric, order: usize, lattice: Lattice, coordinates: &[f64]) -> Self {
+    pub(super) fn new(metric: Metric, feature: Feature, lattice: Lattice, coordinates: &[f64]) -> Self {
         let columns = Columns::new(&lattice, Fade::None, coordinates, 1, 1);
         let cells = columns.runs.iter().map(|run| lattice.locate(0, coordinates[run.start]).cell).collect();
         let nodes = columns.keys.len();
-        Self { metric, order, lattice, columns, cells, points: RowCache::new(3, || vec![[0.0; 2]; nodes]), row: 0, fraction: 0.0 }
+        Self { metric, order: feature.order(), lattice, columns, cells, points: RowCache::new(3, || vec![[0.0; 2]; nodes]), row: 0, fraction: 0.0 }
     }
 
     /// Goes to the row of programme coordinate `v`.
@@ -176,6 +231,7 @@ impl DistanceRows {
             Metric::Squared => self.fill_by(|dx, dy| Metric::Squared.compare(dx, dy), start, out),
             Metric::Manhattan => self.fill_by(|dx, dy| Metric::Manhattan.compare(dx, dy), start, out),
             Metric::Chebychev => self.fill_by(|dx, dy| Metric::Chebychev.compare(dx, dy), start, out),
+            Metric::Minkowski { exponent } => self.fill_by(|dx, dy| Metric::Minkowski { exponent }.compare(dx, dy), start, out),
         }
     }
 
@@ -191,7 +247,7 @@ impl DistanceRows {
             }
             let samples = &self.columns.fraction[run.start..run.end];
             for (out, &fx) in out[run.start - start..run.end - start].iter_mut().zip(samples) {
-                let mut nearest = Nearest([f32::INFINITY; 2]);
+                let mut nearest = Nearest([f32::INFINITY; 4]);
                 for &[px, dy] in &around {
                     nearest.add(compare(px - fx, dy));
                 }
@@ -208,7 +264,7 @@ impl DistanceRows {
             if *out > self.metric.compare_axis(1.0 + margin(fx, self.fraction)) {
                 let run = self.columns.runs.partition_point(|run| run.end <= first + i);
                 let (cell, at) = ([self.cells[run], self.row], [fx, self.fraction]);
-                let mut nearest = Nearest([f32::INFINITY; 2]);
+                let mut nearest = Nearest([f32::INFINITY; 4]);
                 add_ring(self.metric, self.lattice.seed, cell, at, 0, &mut nearest);
                 add_ring(self.metric, self.lattice.seed, cell, at, 1, &mut nearest);
                 finish(self.metric, self.lattice.seed, cell, at, 2, self.order, &mut nearest);
@@ -273,7 +329,7 @@ mod tests {
     use super::*;
 
     /// All points within nine cells, the plain way.
-    fn brute_force(metric: Metric, order: usize, lattice: &Lattice, u: f64, v: f64) -> f32 {
+    fn brute_force(metric: Metric, feature: Feature, lattice: &Lattice, u: f64, v: f64) -> f32 {
         let (column, row) = (lattice.locate(0, u), lattice.locate(1, v));
         let mut all = Vec::new();
         for b in -9..=9_i64 {
@@ -283,17 +339,17 @@ mod tests {
             }
         }
         all.sort_by(f32::total_cmp);
-        metric.distance(all[order - 1])
+        feature.of(core::array::from_fn(|k| metric.distance(all[k])))
     }
 
     #[test]
     fn distances_are_those_of_the_whole_plane() {
         let lattice = Lattice::new(11, 0, 1.0);
         for metric in Metric::ALL {
-            for order in [1, 2] {
+            for feature in Feature::ALL {
                 for i in 0..20_000 {
                     let (u, v) = (f64::from(i % 141) * 0.37 - 20.0, f64::from(i / 141) * 0.31 - 20.0);
-                    assert_eq!(distance_at(metric, order, &lattice, u, v), brute_force(metric, order, &lattice, u, v), "{metric:?} F{order} at {u} {v}");
+                    assert_eq!(feature_at(metric, feature, &lattice, u, v), brute_force(metric, feature, &lattice, u, v), "{metric:?} {feature:?} at {u} {v}");
                 }
             }
         }

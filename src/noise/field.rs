@@ -32,6 +32,46 @@ pub enum FieldShape {
         /// How strongly an octave's signal opens the next.
         gain: f64,
     },
+    /// Π (1 + `w_k` `n_k`).
+    Multifractal {
+        /// Fractal increment H, 0 … 4.
+        h: f64,
+        /// Ratio of the frequencies of neighbouring octaves, 1.1 … 8.
+        lacunarity: f64,
+        /// 1 … 32.
+        octaves: f64,
+    },
+    /// v = `n_0` + offset; then v += `w_k` (`n_k` + offset) v.
+    Hetero {
+        /// Fractal increment H, 0 … 4.
+        h: f64,
+        /// Ratio of the frequencies of neighbouring octaves, 1.1 … 8.
+        lacunarity: f64,
+        /// 1 … 32.
+        octaves: f64,
+        /// What is added to n.
+        offset: f64,
+    },
+    /// v = `n_0` + offset, g = gain · v; then g = min(g, 1), s = (`n_k` + offset) `w_k`, v += g s, g *= gain · s.
+    Hybrid {
+        /// Fractal increment H, 0 … 4.
+        h: f64,
+        /// Ratio of the frequencies of neighbouring octaves, 1.1 … 8.
+        lacunarity: f64,
+        /// 1 … 32.
+        octaves: f64,
+        /// What is added to n.
+        offset: f64,
+        /// How strongly an octave's signal opens the next.
+        gain: f64,
+    },
+    /// An endless random surface whose profiles have the power spectrum f^-beta: fBm of lacunarity 2 and H = (beta - 1)/2, its weights divided by their sum.
+    Spectral {
+        /// 1 … 3.
+        beta: f64,
+        /// 1 … 32.
+        octaves: f64,
+    },
     /// Σ amplitude^k `n_k` at frequency^k; |`n_k`| if `hard`.
     Turbulence {
         /// 1 … 32.
@@ -50,7 +90,12 @@ impl FieldShape {
     fn progression(self) -> (f64, f64, f64) {
         match self {
             FieldShape::Single => (1.0, 1.0, 1.0),
-            FieldShape::Fbm { h, lacunarity, octaves } | FieldShape::Ridged { h, lacunarity, octaves, .. } => (octaves, lacunarity, libm::pow(lacunarity, -h)),
+            FieldShape::Fbm { h, lacunarity, octaves }
+            | FieldShape::Multifractal { h, lacunarity, octaves }
+            | FieldShape::Hetero { h, lacunarity, octaves, .. }
+            | FieldShape::Hybrid { h, lacunarity, octaves, .. }
+            | FieldShape::Ridged { h, lacunarity, octaves, .. } => (octaves, lacunarity, libm::pow(lacunarity, -h)),
+            FieldShape::Spectral { beta, octaves } => (octaves, 2.0, libm::pow(2.0, (1.0 - beta) / 2.0)),
             FieldShape::Turbulence { octaves, amplitude, frequency, .. } => (octaves, frequency, amplitude),
         }
     }
@@ -410,7 +455,7 @@ mod tests {
     #[test]
     fn the_mean_stays_from_level_to_level() {
         for shape in SHAPES {
-            for basis in [Basis::OPerlin, Basis::IPerlin, Basis::CellNoise, Basis::Voronoi { order: 1, metric: crate::noise::Metric::Distance }] {
+            for basis in [Basis::OPerlin, Basis::IPerlin, Basis::CellNoise, Basis::Voronoi { feature: crate::noise::Feature::F1, metric: crate::noise::Metric::Distance }] {
                 let means: Vec<f64> = (0..9).map(|level| mean_at(shape, basis, 0.02 * f64::from(1 << level))).collect();
                 let amplitude = 1.0;
                 for (level, pair) in means.windows(2).enumerate() {

@@ -111,6 +111,24 @@ pub(super) fn at(gradients: Gradients, lattice: &Lattice, amplitude: f32, u: f64
     between(line(column.cell), line(column.cell + 1), column.fraction as f32, fade.weight(column.fraction) as f32)
 }
 
+/// The noise of Blender at a point: each corner of the cell adds its gradient's value times the radial kernel 1 - 3 r² + 2 r³ of its distance r < 1.
+pub(super) fn blender_at(lattice: &Lattice, u: f64, v: f64) -> f32 {
+    let (column, row) = (lattice.locate(0, u), lattice.locate(1, v));
+    let (fx, fy) = (column.fraction as f32, row.fraction as f32);
+    let mut sum = 0.0;
+    for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let [gx, gy] = Gradients::Unit.of(hash::corner(hash::column_key(column.cell + i), hash::row_key(row.cell + j, lattice.seed)));
+        let (dx, dy) = (fx - i as f32, fy - j as f32);
+        let square = dx * dx + dy * dy;
+        let kernel = if square < 1.0 { (1.0 - 3.0 * square) + 2.0 * (square * square.sqrt()) } else { 0.0 };
+        sum += kernel * (gx * dx + gy * dy);
+    }
+    sum * BLENDER_SCALE
+}
+
+/// What brings the greatest value of Blender's noise to 1.
+const BLENDER_SCALE: f32 = 2.0;
+
 /// Fewest samples a cell, on average, for which a loop over each cell's samples is worth its beginning.
 const WIDE: usize = 12;
 

@@ -15,7 +15,7 @@ mod isa;
 mod moments;
 
 pub use basis::Basis;
-pub use cellular::Metric;
+pub use cellular::{Feature, Metric};
 pub use field::{Field, FieldShape, Rows};
 pub use hash::{key, mix};
 pub use isa::{Isa, Kernel};

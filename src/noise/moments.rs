@@ -1,6 +1,6 @@
 //! What noise is on average: the values that detail fades to where a spacing cannot carry it.
 
-use super::{Basis, Metric};
+use super::{Basis, Feature, Metric};
 
 /// Equal parts that a distribution is cut into.
 pub(super) const PARTS: usize = 16;
@@ -24,16 +24,17 @@ impl Basis {
             Basis::OPerlin => (0.0, 0.240_97, 0.089_62),
             Basis::IPerlin => (0.0, 0.201_64, 0.062_03),
             Basis::CellNoise => (0.5, 0.5, 1.0 / 3.0),
-            Basis::Voronoi { order, metric } => {
-                let (mean, square) = match (order, metric) {
-                    (1, Metric::Distance) => (0.429_56, 0.220_51),
-                    (1, Metric::Squared) => (0.220_51, 0.079_13),
-                    (1, Metric::Manhattan) => (0.540_88, 0.350_70),
-                    (1, Metric::Chebychev) => (0.381_63, 0.174_28),
+            Basis::Blender => (0.0, 0.2, 0.06),
+            Basis::Voronoi { feature, metric } => {
+                let (mean, square) = match (feature, metric) {
+                    (Feature::F1, Metric::Distance) => (0.429_56, 0.220_51),
+                    (Feature::F1, Metric::Squared) => (0.220_51, 0.079_13),
+                    (Feature::F1, Metric::Manhattan) => (0.540_88, 0.350_70),
+                    (Feature::F1, Metric::Chebychev) => (0.381_63, 0.174_28),
                     (_, Metric::Distance) => (0.698_93, 0.519_59),
                     (_, Metric::Squared) => (0.519_59, 0.331_40),
                     (_, Metric::Manhattan) => (0.876_51, 0.818_18),
-                    (_, Metric::Chebychev) => (0.621_32, 0.411_49),
+                    _ => (0.621_32, 0.411_49),
                 };
                 (mean, mean, square)
             }
@@ -49,16 +50,16 @@ impl Basis {
             Basis::CellNoise => {
                 [0.0311, 0.0932, 0.1557, 0.2183, 0.2807, 0.3431, 0.4058, 0.4683, 0.5308, 0.5933, 0.6558, 0.7184, 0.7812, 0.8437, 0.9061, 0.9686]
             }
-            Basis::Voronoi { order: 1, metric: Metric::Distance } => {
+            Basis::Voronoi { feature: Feature::F1, metric: Metric::Distance } => {
                 [0.0942, 0.1729, 0.2249, 0.2681, 0.3064, 0.3420, 0.3758, 0.4086, 0.4410, 0.4740, 0.5080, 0.5442, 0.5844, 0.6312, 0.6918, 0.8056]
             }
-            Basis::Voronoi { order: 1, metric: Metric::Squared } => {
+            Basis::Voronoi { feature: Feature::F1, metric: Metric::Squared } => {
                 [0.0100, 0.0302, 0.0508, 0.0720, 0.0940, 0.1170, 0.1413, 0.1670, 0.1946, 0.2247, 0.2581, 0.2963, 0.3417, 0.3986, 0.4791, 0.6528]
             }
-            Basis::Voronoi { order: 1, metric: Metric::Manhattan } => {
+            Basis::Voronoi { feature: Feature::F1, metric: Metric::Manhattan } => {
                 [0.1181, 0.2167, 0.2820, 0.3361, 0.3843, 0.4290, 0.4714, 0.5128, 0.5537, 0.5954, 0.6386, 0.6849, 0.7360, 0.7961, 0.8739, 1.0252]
             }
-            Basis::Voronoi { order: 1, metric: Metric::Chebychev } => {
+            Basis::Voronoi { feature: Feature::F1, metric: Metric::Chebychev } => {
                 [0.0835, 0.1532, 0.1994, 0.2376, 0.2717, 0.3032, 0.3332, 0.3624, 0.3914, 0.4207, 0.4510, 0.4834, 0.5192, 0.5614, 0.6161, 0.7187]
             }
             Basis::Voronoi { metric: Metric::Distance, .. } => {
@@ -70,7 +71,7 @@ impl Basis {
             Basis::Voronoi { metric: Metric::Manhattan, .. } => {
                 [0.4354, 0.5744, 0.6461, 0.7003, 0.7458, 0.7866, 0.8247, 0.8612, 0.8972, 0.9333, 0.9707, 1.0104, 1.0543, 1.1058, 1.1732, 1.3047]
             }
-            Basis::Voronoi { metric: Metric::Chebychev, .. } => {
+            _ => {
                 [0.3081, 0.4066, 0.4575, 0.4958, 0.5280, 0.5568, 0.5837, 0.6096, 0.6351, 0.6609, 0.6876, 0.7160, 0.7474, 0.7844, 0.8327, 0.9307]
             }
         }

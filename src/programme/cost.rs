@@ -31,7 +31,7 @@ pub fn cost_ns(node: &Node) -> f64 {
 
 fn octave_ns(basis: Basis) -> f64 {
     match basis {
-        Basis::OPerlin | Basis::IPerlin => 7.0,
+        Basis::OPerlin | Basis::IPerlin | Basis::Blender => 7.0,
         Basis::CellNoise => 2.0,
         Basis::Voronoi { .. } => 25.0,
     }

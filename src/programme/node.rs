@@ -1,7 +1,7 @@
 //! The tree of a programme.
 
 use super::operation::{Operation, Signature};
-use crate::noise::{Basis, FieldShape, Metric, key};
+use crate::noise::{Basis, Feature, FieldShape, Metric, key};
 
 /// What distinguishes a node from others of its operation.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,8 +70,8 @@ impl Node {
             Operation::OPerlin => single(Basis::OPerlin),
             Operation::IPerlin => single(Basis::IPerlin),
             Operation::CellNoise => single(Basis::CellNoise),
-            Operation::VoronoiF1 => single(Basis::Voronoi { order: 1, metric: metric() }),
-            Operation::VoronoiF2 => single(Basis::Voronoi { order: 2, metric: metric() }),
+            Operation::VoronoiF1 => single(Basis::Voronoi { feature: Feature::F1, metric: metric() }),
+            Operation::VoronoiF2 => single(Basis::Voronoi { feature: Feature::F2, metric: metric() }),
             Operation::Fbm => Some((FieldShape::Fbm { h: p[0], lacunarity: p[1], octaves: p[2] }, basis())),
             Operation::RidgedMultifractal => Some((FieldShape::Ridged { h: p[0], lacunarity: p[1], octaves: p[2], offset: p[3], gain: p[4] }, basis())),
             Operation::Turbulence => {
@@ -89,8 +89,8 @@ fn basis_named(name: &str) -> Option<Basis> {
         "o_perlin" => Basis::OPerlin,
         "i_perlin" => Basis::IPerlin,
         "cell_noise" => Basis::CellNoise,
-        "voronoi_f1" => Basis::Voronoi { order: 1, metric },
-        "voronoi_f2" => Basis::Voronoi { order: 2, metric },
+        "voronoi_f1" => Basis::Voronoi { feature: Feature::F1, metric },
+        "voronoi_f2" => Basis::Voronoi { feature: Feature::F2, metric },
         _ => return None,
     })
 }
