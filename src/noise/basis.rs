@@ -63,9 +63,7 @@ impl Basis {
             Basis::Voronoi { feature: feature @ (Feature::F1 | Feature::F2), metric } if !matches!(metric, Metric::Minkowski { .. }) => {
                 BasisRows::Distance(DistanceRows::new(metric, feature, lattice, coordinates), amplitude)
             }
-            Basis::Voronoi { .. } | Basis::Blender => {
-                BasisRows::Points { basis: self, lattice, amplitude, columns: coordinates.to_vec(), row: 0.0 }
-            }
+            Basis::Voronoi { .. } | Basis::Blender => BasisRows::Points { basis: self, lattice, amplitude, columns: coordinates.to_vec(), row: 0.0 },
             _ => BasisRows::Value(ValueRows::new(lattice, coordinates), amplitude),
         }
     }
@@ -77,7 +75,13 @@ pub(super) enum BasisRows {
     Distance(DistanceRows, f32),
     Value(ValueRows, f32),
     /// Sample by sample.
-    Points { basis: Basis, lattice: Lattice, amplitude: f32, columns: Vec<f64>, row: f64 },
+    Points {
+        basis: Basis,
+        lattice: Lattice,
+        amplitude: f32,
+        columns: Vec<f64>,
+        row: f64,
+    },
 }
 
 impl BasisRows {

@@ -105,6 +105,12 @@ impl FieldShape {
     pub fn octaves(self) -> usize {
         self.progression().0.ceil() as usize
     }
+
+    /// Ratio of the frequencies of neighbouring octaves.
+    #[must_use]
+    pub fn lacunarity(self) -> f64 {
+        self.progression().1
+    }
 }
 
 /// How much of a lattice with cells of `cell` metres samples `spacing` metres apart can carry: 0 below two samples a cell, 1 from four on.
@@ -455,7 +461,12 @@ mod tests {
     #[test]
     fn the_mean_stays_from_level_to_level() {
         for shape in SHAPES {
-            for basis in [Basis::OPerlin, Basis::IPerlin, Basis::CellNoise, Basis::Voronoi { feature: crate::noise::Feature::F1, metric: crate::noise::Metric::Distance }] {
+            for basis in [
+                Basis::OPerlin,
+                Basis::IPerlin,
+                Basis::CellNoise,
+                Basis::Voronoi { feature: crate::noise::Feature::F1, metric: crate::noise::Metric::Distance },
+            ] {
                 let means: Vec<f64> = (0..9).map(|level| mean_at(shape, basis, 0.02 * f64::from(1 << level))).collect();
                 let amplitude = 1.0;
                 for (level, pair) in means.windows(2).enumerate() {

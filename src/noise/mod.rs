@@ -13,6 +13,7 @@ mod hash;
 #[expect(unsafe_code, reason = "calling a function compiled for more than the baseline")]
 mod isa;
 mod moments;
+mod stub;
 
 pub use basis::Basis;
 pub use cellular::{Feature, Metric};

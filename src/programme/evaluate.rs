@@ -1,272 +1,277 @@
 //! Running a tape over the blocks of a window.
 
 use super::{
-    Frame,
-    node::Keys,
-    operation::{Binary, Unary},
-    reference,
-    tape::{Instruction, Tape},
+    Frame, bounds,
+    graph::{Axis, Step},
+    kernels::{self, Input},
+    shape::Filtered,
+    tape::{Instruction, Points, Slot, Tape},
 };
 use crate::{
-    geometry::Window,
-    noise::{Isa, Kernel, Rows, elementary},
+    geometry::{Filter, Window},
+    noise::{Field, Isa, Rows},
 };
 
 /// Samples a block: registers of a typical programme stay within the first-level cache.
-const BLOCK: usize = 256;
+pub(super) const BLOCK: usize = 256;
+
+/// What a programme's noises and shapes are for samples of a given spacing.
+pub(super) struct Prepared {
+    pub fields: Vec<Field>,
+    pub shapes: Vec<Filtered>,
+    /// Samples a side that every sample of the window is the mean of.
+    pub subsamples: usize,
+}
+
+impl Prepared {
+    pub(super) fn new(graph: &super::graph::Graph, frame: &Frame, spacing: f64, filter: Filter) -> Self {
+        let spacing = if filter == Filter::Band { spacing / frame.scale } else { 0.0 };
+        let fields = bounds::fields(graph, frame.seed, spacing);
+        let shapes = graph.shapes.iter().map(|shape| shape.filtered(spacing)).collect();
+        let subsamples = bounds::subsamples(graph, &fields, spacing);
+        Self { fields, shapes, subsamples }
+    }
+}
+
+/// Offsets of the subsamples of a sample from it, in metres from the west or the south.
+pub(super) fn offsets(subsamples: usize, spacing: f64) -> impl Iterator<Item = f64> + Clone {
+    let n = subsamples as f64;
+    (0..subsamples).map(move |i| if subsamples == 1 { 0.0 } else { ((2 * i + 1) as f64 - n) / (2.0 * n) * spacing })
+}
+
+/// Positions of a block's samples in programme coordinates.
+#[derive(Clone, Debug, Default)]
+struct Positions {
+    u: Vec<f64>,
+    v: Vec<f64>,
+}
 
 /// A tape prepared for a window.
 pub(super) struct Evaluation<'a> {
     isa: Isa,
     tape: &'a Tape,
     frame: &'a Frame,
-    /// Programme coordinates of the columns.
-    columns: Vec<f64>,
-    noises: Vec<Rows>,
-    registers: Vec<f32>,
+    prepared: Prepared,
+    /// Programme coordinates of the columns of every grid, subsamples included.
+    grids: Vec<Vec<f64>>,
+    noise_rows: Vec<Rows>,
+    scalars: Vec<f32>,
+    columns: Vec<Vec<f32>>,
+    registers: Vec<Vec<f32>>,
+    positions: Vec<Positions>,
     non_finite: u64,
 }
 
 impl<'a> Evaluation<'a> {
     pub(super) fn new(isa: Isa, tape: &'a Tape, frame: &'a Frame, window: &Window) -> Self {
-        let columns: Vec<f64> = window.columns.coordinates().map(|x| (x - frame.origin[0]) / frame.scale).collect();
-        let mut keys = Keys::new(frame.seed);
-        let fields = tape.noises.iter().filter_map(|node| reference::field(node, &mut keys, frame, window.spacing(), window.filter));
-        let noises = fields.map(|field| field.rows_on(isa, &columns)).collect();
-        Self { isa, tape, frame, columns, noises, registers: vec![0.0; tape.registers * BLOCK], non_finite: 0 }
+        let prepared = Prepared::new(&tape.graph, frame, window.spacing(), window.filter);
+        let n = prepared.subsamples;
+        let sub = offsets(n, window.spacing());
+        let columns: Vec<f64> =
+            window.columns.coordinates().flat_map(|x| sub.clone().map(move |d| x + d)).map(|x| (x - frame.origin[0]) / frame.scale).collect();
+        let grids: Vec<Vec<f64>> = tape.grids.iter().map(|[du, _]| columns.iter().map(|u| u + du).collect()).collect();
+        let noise_rows = tape.noise_rows.iter().map(|&(noise, grid)| prepared.fields[noise].rows_on(isa, &grids[grid])).collect();
+        let mut evaluation = Self {
+            isa,
+            tape,
+            frame,
+            prepared,
+            grids,
+            noise_rows,
+            scalars: vec![0.0; tape.scalar_count],
+            columns: vec![vec![0.0; columns.len()]; tape.column_count],
+            registers: vec![vec![0.0; BLOCK]; tape.register_count],
+            positions: vec![Positions { u: vec![0.0; BLOCK], v: vec![0.0; BLOCK] }; tape.position_count],
+            non_finite: 0,
+        };
+        evaluation.once(columns.len(), window.rows.len() * n);
+        evaluation
+    }
+
+    /// Evaluates what is the same for the window, and what is the same for each column.
+    fn once(&mut self, columns: usize, rows: usize) {
+        for instruction in &self.tape.numbers {
+            self.non_finite += self.scalar(instruction, 0.0) * (columns * rows) as u64;
+        }
+        for instruction in &self.tape.columns {
+            let Instruction::Step { to: Slot::Column(to), step, at, operands } = *instruction else { continue };
+            let mut out = std::mem::take(&mut self.columns[to]);
+            for (block, out) in out.chunks_mut(BLOCK).enumerate() {
+                self.non_finite += self.apply(step, at, operands, block * BLOCK, 0.0, out) * rows as u64;
+            }
+            self.columns[to] = out;
+        }
     }
 
     pub(super) fn run(mut self, window: &Window, out: &mut [f32]) -> u64 {
-        for (y, row) in window.rows.coordinates().zip(out.chunks_mut(window.columns.len().max(1))) {
-            let v = (y - self.frame.origin[1]) / self.frame.scale;
-            for noise in &mut self.noises {
-                noise.begin(v);
+        let (n, width) = (self.prepared.subsamples, window.columns.len().max(1));
+        let mut fine = vec![0.0; if n > 1 { width * n } else { 0 }];
+        for (y, row) in window.rows.coordinates().zip(out.chunks_mut(width)) {
+            if n == 1 {
+                self.row(y, row);
+                continue;
             }
-            for (block, out) in row.chunks_mut(BLOCK).enumerate() {
-                self.block(block * BLOCK, v, out.len());
-                out.copy_from_slice(&self.registers[..out.len()]);
+            row.fill(0.0);
+            for d in offsets(n, window.spacing()) {
+                self.row(y + d, &mut fine);
+                for (mean, fine) in row.iter_mut().zip(fine.chunks(n)) {
+                    fine.iter().for_each(|value| *mean += value);
+                }
+            }
+            row.iter_mut().for_each(|mean| *mean *= 1.0 / (n * n) as f32);
+        }
+        self.non_finite
+    }
+
+    fn row(&mut self, y: f64, out: &mut [f32]) {
+        let v = (y - self.frame.origin[1]) / self.frame.scale;
+        for (rows, &(_, grid)) in self.noise_rows.iter_mut().zip(&self.tape.noise_rows) {
+            rows.begin(v + self.tape.grids[grid][1]);
+        }
+        for instruction in &self.tape.rows {
+            self.non_finite += self.scalar(instruction, v) * out.len() as u64;
+        }
+        for (block, out) in out.chunks_mut(BLOCK).enumerate() {
+            let start = block * BLOCK;
+            for instruction in &self.tape.samples {
+                self.non_finite += self.instruction(instruction, start, v, out.len());
+            }
+            match self.input(self.tape.root, start, out.len()) {
+                Input::Number(number) => out.fill(number),
+                Input::Samples(samples) => out.copy_from_slice(samples),
             }
         }
-        self.non_finite + self.tape.folded_non_finite * window.samples() as u64
     }
 
-    /// Runs all instructions over `count` columns from `start` on.
-    fn block(&mut self, start: usize, v: f64, count: usize) {
-        for instruction in &self.tape.instructions {
-            let (Instruction::Constant { to, .. }
-            | Instruction::X { to }
-            | Instruction::Y { to }
-            | Instruction::Noise { to, .. }
-            | Instruction::Unary { at: to, .. }
-            | Instruction::Binary { at: to, .. }
-            | Instruction::BinaryRight { at: to, .. }
-            | Instruction::BinaryLeft { at: to, .. }) = *instruction;
-            let (at, rest) = self.registers[to * BLOCK..].split_at_mut(BLOCK);
-            let at = &mut at[..count];
-            self.non_finite += match *instruction {
-                Instruction::Constant { value, .. } => {
-                    at.fill(value);
-                    0
-                }
-                Instruction::X { .. } => {
-                    at.iter_mut().zip(&self.columns[start..]).for_each(|(at, &u)| *at = u as f32);
-                    keep_finite(self.isa, at)
-                }
-                Instruction::Y { .. } => {
-                    at.fill(v as f32);
-                    keep_finite(self.isa, at)
-                }
-                Instruction::Noise { noise, .. } => {
-                    self.noises[noise].fill(start, at);
-                    keep_finite(self.isa, at)
-                }
-                Instruction::Unary { operation, .. } => unary(self.isa, operation, at),
-                Instruction::Binary { operation, .. } => binary(self.isa, operation, at, Right::Register(&rest[..count])),
-                Instruction::BinaryRight { operation, right, .. } => binary(self.isa, operation, at, Right::Number(right)),
-                Instruction::BinaryLeft { operation, left, .. } => binary_left(self.isa, operation, left, at),
-            };
+    /// Evaluates a step whose value is one number.
+    fn scalar(&mut self, instruction: &Instruction, v: f64) -> u64 {
+        let Instruction::Step { to: Slot::Scalar(to), step, at, operands } = *instruction else { return 0 };
+        let operands = operands.map(|slot| if let Slot::Scalar(slot) = slot { self.scalars[slot] } else { 0.0 });
+        // What depends on v alone is the same at every u.
+        let v = v + if let Some(Points::Grid(grid)) = at { self.tape.grids[grid][1] } else { 0.0 };
+        let value = kernels::value(step, operands, [0.0, v], &self.prepared);
+        self.scalars[to] = if value.is_finite() { value } else { 0.0 };
+        u64::from(!value.is_finite())
+    }
+
+    fn input(&self, slot: Slot, start: usize, count: usize) -> Input<'_> {
+        match slot {
+            Slot::Scalar(slot) => Input::Number(self.scalars[slot]),
+            Slot::Column(slot) => Input::Samples(&self.columns[slot][start..start + count]),
+            Slot::Register(slot) => Input::Samples(&self.registers[slot][..count]),
         }
     }
-}
 
-/// Replaces what is not finite by 0 and counts it.
-fn keep_finite(isa: Isa, values: &mut [f32]) -> u64 {
-    map(isa, values, |a| a)
-}
-
-/// Applies `function` to every value, replaces what is not finite by 0 and counts it.
-fn map(isa: Isa, values: &mut [f32], function: impl Fn(f32) -> f32) -> u64 {
-    isa.run(Map { values, function })
-}
-
-struct Map<'a, F> {
-    values: &'a mut [f32],
-    function: F,
-}
-
-impl<F: Fn(f32) -> f32> Kernel for Map<'_, F> {
-    type Output = u64;
-
-    #[inline(always)]
-    fn run(self) -> u64 {
-        // As locals, what the function holds is known to stay as it is while values are written.
-        let Self { values, function } = self;
-        let mut count = 0_u32;
-        for value in values {
-            let result = function(*value);
-            let finite = result.is_finite();
-            *value = if finite { result } else { 0.0 };
-            count += u32::from(!finite);
-        }
-        count.into()
-    }
-}
-
-/// As [`map`], with a second operand for every value.
-fn zip(isa: Isa, values: &mut [f32], others: &[f32], function: impl Fn(f32, f32) -> f32) -> u64 {
-    isa.run(Zip { values, others, function })
-}
-
-struct Zip<'a, F> {
-    values: &'a mut [f32],
-    others: &'a [f32],
-    function: F,
-}
-
-impl<F: Fn(f32, f32) -> f32> Kernel for Zip<'_, F> {
-    type Output = u64;
-
-    #[inline(always)]
-    fn run(self) -> u64 {
-        let Self { values, others, function } = self;
-        let mut count = 0_u32;
-        for (value, &other) in values.iter_mut().zip(others) {
-            let result = function(*value, other);
-            let finite = result.is_finite();
-            *value = if finite { result } else { 0.0 };
-            count += u32::from(!finite);
-        }
-        count.into()
-    }
-}
-
-/// A match over operations whose arms name the operation as a constant, also within closures: so every loop is compiled for its own operation.
-macro_rules! specialise {
-    ($kind:ident, [$($variant:ident),*], $operation:expr, $constant:ident => $body:expr) => {
-        match $operation {
-            $($kind::$variant => {
-                const $constant: $kind = $kind::$variant;
-                $body
-            })*
-        }
-    };
-}
-
-fn unary(isa: Isa, operation: Unary, at: &mut [f32]) -> u64 {
-    // Nearly all angles are small, and those need no branch.
-    let small = at.iter().all(|a| a.abs() <= elementary::SMALL);
-    match operation {
-        Unary::Sin if small => return map(isa, at, elementary::sin_small),
-        Unary::Cos if small => return map(isa, at, elementary::cos_small),
-        Unary::Tan if small => return map(isa, at, elementary::tan_small),
-        _ => {}
-    }
-    specialise!(Unary, [Sin, Cos, Tan, Atan, Negative, Abs, Log, Sqrt], operation, OPERATION => map(isa, at, |a| OPERATION.apply(a)))
-}
-
-#[derive(Clone, Copy)]
-enum Right<'a> {
-    Register(&'a [f32]),
-    Number(f32),
-}
-
-fn binary(isa: Isa, operation: Binary, at: &mut [f32], right: Right<'_>) -> u64 {
-    specialise!(Binary, [Plus, Minus, Multiply, Divide, Power, Mod, Min, Max], operation, OPERATION => match right {
-        Right::Register(right) => zip(isa, at, right, |a, b| OPERATION.apply(a, b)),
-        Right::Number(right) => map(isa, at, |a| OPERATION.apply(a, right)),
-    })
-}
-
-fn binary_left(isa: Isa, operation: Binary, left: f32, at: &mut [f32]) -> u64 {
-    specialise!(Binary, [Plus, Minus, Multiply, Divide, Power, Mod, Min, Max], operation, OPERATION => map(isa, at, |b| OPERATION.apply(left, b)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{
-        geometry::Filter,
-        programme::{Programme, Tape},
-    };
-
-    const FRAME: Frame = Frame { seed: 42, scale: 1_000.0, origin: [-300.0, 77.0] };
-
-    /// Every sample of the tape equals the reference, and so does the count of what was not finite.
-    fn check(text: &str) {
-        let programme = Programme::parse(text).expect(text);
-        let tape = Tape::compile(programme.root());
-        for (bbox, spacing) in [([-4_000.0, -900.0, 3_900.0, 500.0], 13.7), ([0.0, 0.0, 9e7, 1e6], 3e5), ([1e12, -1e12, 1e12 + 3.0, 0.5 - 1e12], 0.01)] {
-            for filter in [Filter::Band, Filter::Exact] {
-                let window = Window::area(bbox, spacing, filter, 1 << 20).expect("valid");
-                let window = window.band(0, window.rows.len().min(5));
-                let mut out = vec![0.0; window.samples()];
-                let non_finite = tape.evaluate(&FRAME, &window, &mut out);
-                for isa in Isa::ALL {
-                    let mut other = vec![0.0; window.samples()];
-                    assert_eq!(tape.evaluate_on(isa, &FRAME, &window, &mut other), non_finite);
-                    assert!(out.iter().zip(&other).all(|(a, b)| a.to_bits() == b.to_bits()), "{text} on {isa:?}");
-                }
-                let mut counted = 0;
-                for (row, y) in out.chunks(window.columns.len()).zip(window.rows.coordinates()) {
-                    for (got, x) in row.iter().zip(window.columns.coordinates()) {
-                        let (want, count) = reference::evaluate(programme.root(), &FRAME, x, y, spacing, filter);
-                        assert_eq!(got.to_bits(), want.to_bits(), "{text} at {x} {y} {filter:?}: {got} is not {want}");
-                        counted += count;
+    /// Runs an instruction over `count` columns from `start` on.
+    fn instruction(&mut self, instruction: &Instruction, start: usize, v: f64, count: usize) -> u64 {
+        match *instruction {
+            Instruction::Rows { to, rows } => {
+                let out = &mut self.registers[to][..count];
+                self.noise_rows[rows].fill(start, out);
+                kernels::keep_finite(self.isa, out)
+            }
+            Instruction::Noise { to, noise, at } => {
+                let (out, at) = (&mut self.registers[to][..count], &self.positions[at]);
+                self.prepared.fields[noise].points(self.isa, &at.u[..count], &at.v[..count], out);
+                kernels::keep_finite(self.isa, out)
+            }
+            Instruction::Slopes { to: [to_u, to_v], noise, at } => {
+                let (mut du, mut dv) = (std::mem::take(&mut self.registers[to_u]), std::mem::take(&mut self.registers[to_v]));
+                let field = &self.prepared.fields[noise];
+                match at {
+                    Points::Grid(grid) => {
+                        let (us, vs) = (&self.grids[grid][start..start + count], [v + self.tape.grids[grid][1]; BLOCK]);
+                        field.slope_points(self.isa, us, &vs[..count], &mut du[..count], &mut dv[..count]);
+                    }
+                    Points::Anywhere(at) => {
+                        let at = &self.positions[at];
+                        field.slope_points(self.isa, &at.u[..count], &at.v[..count], &mut du[..count], &mut dv[..count]);
                     }
                 }
-                assert_eq!(non_finite, counted, "{text}");
+                let non_finite = kernels::keep_finite(self.isa, &mut du[..count]) + kernels::keep_finite(self.isa, &mut dv[..count]);
+                (self.registers[to_u], self.registers[to_v]) = (du, dv);
+                non_finite
+            }
+            Instruction::Move { to, base, by } => {
+                let mut positions = self.take_positions(to, base, start, v, count);
+                for (positions, slot) in [&mut positions.u, &mut positions.v].into_iter().zip(by) {
+                    match self.input(slot, start, count) {
+                        Input::Number(by) => positions[..count].iter_mut().for_each(|p| *p += f64::from(by)),
+                        Input::Samples(by) => positions.iter_mut().zip(by).for_each(|(p, &by)| *p += f64::from(by)),
+                    }
+                }
+                self.positions[to] = positions;
+                0
+            }
+            Instruction::Shift { to, base, by: [du, dv] } => {
+                let mut positions = self.take_positions(to, base, start, v, count);
+                positions.u[..count].iter_mut().for_each(|p| *p += du);
+                positions.v[..count].iter_mut().for_each(|p| *p += dv);
+                self.positions[to] = positions;
+                0
+            }
+            Instruction::Step { to: Slot::Register(to), step, at, operands } => {
+                let mut out = std::mem::take(&mut self.registers[to]);
+                let non_finite = self.apply(step, at, operands, start, v, &mut out[..count]);
+                self.registers[to] = out;
+                non_finite
+            }
+            Instruction::Step { .. } => 0,
+        }
+    }
+
+    /// The positions of number `to`, set to those of a base.
+    fn take_positions(&mut self, to: usize, base: Points, start: usize, v: f64, count: usize) -> Positions {
+        let mut positions = std::mem::take(&mut self.positions[to]);
+        match base {
+            Points::Grid(grid) => {
+                positions.u[..count].copy_from_slice(&self.grids[grid][start..start + count]);
+                positions.v[..count].fill(v + self.tape.grids[grid][1]);
+            }
+            Points::Anywhere(base) => {
+                positions.u[..count].copy_from_slice(&self.positions[base].u[..count]);
+                positions.v[..count].copy_from_slice(&self.positions[base].v[..count]);
             }
         }
+        positions
     }
 
-    #[test]
-    fn the_tape_equals_the_reference_bit_for_bit() {
-        for text in [
-            "3",
-            "x",
-            "minus(y, x)",
-            "log(log(log(log(log(log(log(fbm(1.0, 1.97, 2))))))))",
-            "plus(fbm(1, 1.97, 2), multiply(0.3, x))",
-            "max(multiply(ridged_multifractal(1, 2, 5, 1, 2), i_perlin), minus(0.2, abs(turbulence(3.5, 0.5, 2, hard=true, basis=i_perlin))))",
-            "plus(divide(cell_noise, voronoi_f1(metric=manhattan)), mod(voronoi_f2, minus(x, x)))",
-            "power(minus(o_perlin, 0.5), plus(fbm(0.5, 2.1, 3, basis=voronoi_f1), fbm(0.5, 2.1, 3)))",
-            "plus(sin(multiply(x, 1e7)), plus(cos(y), plus(tan(x), atan(divide(y, x)))))",
-            "plus(log(0), sqrt(negative(y)))",
-            "min(power(x, 30), multiply(multiply(x, 1e30), multiply(y, 1e30)))",
-            "divide(1, 0)",
-            "multiply(multiply(1e30, 1e30), x)",
-            "plus(o_perlin(seed=3), minus(fbm(1, 2, 1, seed=3), o_perlin))",
-        ] {
-            check(text);
+    /// Writes a step's values; answers how many were not finite and became 0.
+    fn apply(&self, step: Step, at: Option<Points>, operands: [Slot; 3], start: usize, v: f64, out: &mut [f32]) -> u64 {
+        let count = out.len();
+        let input = |i: usize| self.input(operands[i], start, count);
+        match step {
+            Step::Number(bits) => {
+                out.fill(f32::from_bits(bits));
+                0
+            }
+            Step::Coordinate(axis, _) => self.at_positions(at, start, v, out, |u, v| if axis == Axis::U { u as f32 } else { v as f32 }),
+            Step::Shape(shape, _) => {
+                let shape = self.prepared.shapes[shape];
+                self.at_positions(at, start, v, out, |u, v| shape.at(u, v))
+            }
+            Step::ShapeSlope(shape, axis, _) => {
+                let shape = self.prepared.shapes[shape];
+                self.at_positions(at, start, v, out, |u, v| shape.slope(axis, u, v))
+            }
+            Step::Unary(operation, _) => kernels::unary(self.isa, operation, input(0), out),
+            Step::Binary(operation, ..) => kernels::binary(self.isa, operation, input(0), input(1), out),
+            Step::Select(..) => kernels::select(self.isa, [input(0), input(1), input(2)], out),
+            Step::Terrace(terrace, _) => kernels::map(self.isa, input(0), out, |h| terrace.apply(h)),
+            Step::TerraceSlope(terrace, _) => kernels::map(self.isa, input(0), out, |h| terrace.slope(h)),
+            Step::Noise(..) | Step::NoiseSlope(..) => 0,
         }
     }
 
-    #[test]
-    fn what_is_not_finite_is_zero_and_counted_at_its_node() {
-        let tape = Tape::compile(Programme::parse("plus(1, multiply(multiply(1e30, 1e30), x))").expect("valid").root());
-        let window = Window::area([0.0, 0.0, 10.0, 10.0], 1.0, Filter::Band, 1_000).expect("valid");
-        let mut out = vec![0.0; 100];
-        assert_eq!(tape.evaluate(&FRAME, &window, &mut out), 100);
-        assert_eq!(out, vec![1.0; 100]);
-    }
-
-    #[test]
-    fn a_noise_stays_as_it_is_when_the_programme_changes_around_it() {
-        let value = |text: &str| reference::evaluate(Programme::parse(text).expect("valid").root(), &FRAME, 123.0, 456.0, 1.0, Filter::Exact).0;
-        let alone = value("fbm(1, 2, 4)");
-        assert_eq!(value("plus(multiply(0, ridged_multifractal(1, 2, 4, 1, 2)), fbm(1, 2, 4))"), alone);
-        assert_eq!(value("plus(fbm(1, 2, 4), multiply(0, fbm(1, 2, 4)))"), alone);
-        assert_ne!(value("minus(fbm(1, 2, 4), fbm(1, 2, 4))"), 0.0, "two noises of one kind are two noises");
-        assert_eq!(value("minus(fbm(1, 2, 4, seed=9), fbm(1, 2, 4, seed=9))"), 0.0, "noises of one seed are one");
+    /// Writes a function of the positions.
+    fn at_positions(&self, at: Option<Points>, start: usize, v: f64, out: &mut [f32], function: impl Fn(f64, f64) -> f32) -> u64 {
+        match at {
+            Some(Points::Anywhere(at)) => {
+                let at = &self.positions[at];
+                kernels::at_points(self.isa, &at.u, &at.v, out, function)
+            }
+            Some(Points::Grid(grid)) => kernels::along_row(self.isa, &self.grids[grid][start..], v + self.tape.grids[grid][1], out, function),
+            None => 0,
+        }
     }
 }

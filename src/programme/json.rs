@@ -4,7 +4,7 @@ use super::{
     MAX_DEPTH, MAX_NODES,
     error::ParseError,
     node::Node,
-    operation::{Operation, Signature},
+    operation::Signature,
     syntax::{Call, Kind, MAX_ARGUMENTS, Named, Syntax},
 };
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
@@ -171,9 +171,15 @@ impl<'de> Visitor<'de> for Arguments<'_> {
 /// The canonical JSON of a node: positional arguments in `args`, only what differs from a default beside it.
 pub(super) fn to_value(node: &Node) -> Value {
     let Some(signature) = Signature::of(node.operation) else { return number(node.value.parameters[0]) };
-    let numbers = if node.operation == Operation::Constant { &[][..] } else { &node.value.parameters };
-    let args: Vec<Value> = node.children.iter().map(to_value).chain(numbers.iter().map(|&n| number(n))).collect();
+    let mut args: Vec<Value> = node.children.iter().map(to_value).collect();
     let mut object = Map::new();
+    for (parameter, &n) in signature.parameters.iter().zip(&node.value.parameters) {
+        match parameter.default {
+            None => args.push(number(n)),
+            Some(default) if default != n => _ = object.insert(parameter.name.to_owned(), number(n)),
+            Some(_) => {}
+        }
+    }
     for (choice, &chosen) in signature.choices.iter().zip(&node.value.choices) {
         if chosen != 0 {
             let value = choice.values[chosen];

@@ -1,6 +1,6 @@
 //! Terrain programmes: expressions over the plane (Frade, Fernández de Vega, Cotta, "Adding zoom feature to terrain programmes", 2009).
 //!
-//! A [`Programme`] is parsed from text or JSON and compiled to a [`Tape`], which evaluates windows block by block. [`reference::evaluate`] is the plain
+//! A [`Programme`] is parsed from text or JSON and compiled to a [`Tape`], which evaluates windows block by block. [`Reference`] is the plain
 //! meaning of a programme at a point; both agree to the bit.
 //!
 //! ```
@@ -12,23 +12,35 @@
 //! # Ok::<(), terrane::programme::ParseError>(())
 //! ```
 
+mod bounds;
 mod cost;
+mod derivative;
 mod error;
 mod evaluate;
+mod graph;
 mod json;
+mod kernels;
+mod lower;
+mod motion;
 mod node;
 mod operation;
 mod print;
-pub mod reference;
+mod reference;
 mod resolve;
+mod shape;
+mod simplify;
+#[cfg(test)]
+mod suite;
 mod syntax;
 mod tape;
+mod terrace;
 mod text;
 
-pub use cost::{COST_LIMIT_NS, cost_ns};
+pub use cost::COST_LIMIT_NS;
 pub use error::ParseError;
 pub use node::{Node, Value};
 pub use operation::{Binary, Operation, Parameter, Signature, Unary};
+pub use reference::Reference;
 pub use tape::Tape;
 
 use std::fmt;
@@ -63,7 +75,7 @@ impl Programme {
     /// # Errors
     /// If the text is not a programme or breaks a limit; the error names the place.
     pub fn parse(text: &str) -> Result<Self, ParseError> {
-        Ok(Self { root: resolve::resolve(&text::parse(text)?)?, text: Some(text.to_owned()) })
+        Self::new(&text::parse(text)?, Some(text.to_owned()))
     }
 
     /// Reads a programme in JSON: a tree, or a string that holds programme text.
@@ -73,8 +85,17 @@ impl Programme {
     pub fn parse_json(json: &str) -> Result<Self, ParseError> {
         match json::parse(json)? {
             json::Document::Text(text) => Self::parse(&text),
-            json::Document::Tree(tree) => Ok(Self { root: resolve::resolve(&tree)?, text: None }),
+            json::Document::Tree(tree) => Self::new(&tree, None),
         }
+    }
+
+    fn new(syntax: &syntax::Syntax, text: Option<String>) -> Result<Self, ParseError> {
+        let root = resolve::resolve(syntax)?;
+        graph::Graph::plain(&root).map_err(|graph::TooLarge| {
+            let message = format!("with smooth, slope and gradients written out the programme has more than {} steps: nest them less deeply", graph::MAX_STEPS);
+            ParseError::new("", syntax.span.clone(), message)
+        })?;
+        Ok(Self { root, text })
     }
 
     /// The expression.
@@ -94,7 +115,13 @@ impl Programme {
     /// # Errors
     /// If the cost is above [`COST_LIMIT_NS`].
     pub fn check_cost(&self) -> Result<(), ParseError> {
-        cost::check(&self.root)
+        let cost = Tape::compile(&self.root).peak_cost_ns();
+        if cost <= COST_LIMIT_NS {
+            return Ok(());
+        }
+        let message =
+            format!("the programme costs up to {cost:.0} ns a sample, more than the {COST_LIMIT_NS} ns allowed: use fewer or simpler nodes or octaves");
+        Err(ParseError::new("", None, message))
     }
 
     /// The canonical JSON tree.

@@ -1,6 +1,6 @@
 //! What a programme can be made of: every operation with its arguments, ranges and meaning.
 
-use crate::noise::elementary;
+use crate::noise::{Feature, elementary};
 
 /// A function of one value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -122,26 +122,64 @@ pub enum Operation {
     X,
     /// Programme coordinate v, to the north.
     Y,
+    /// A Gaussian bell.
+    Gauss,
+    /// An inclined plane.
+    Plane,
+    /// A step from 0 to 1.
+    Step,
+    /// A half sphere.
+    Sphere,
     /// A function of one value.
     Unary(Unary),
     /// A function of two values.
     Binary(Binary),
+    /// A value held between two others.
+    Clamp,
+    /// From one value to another by a third.
+    Mix,
+    /// One of two values by the sign of a third.
+    Select,
+    /// Steps with flat treads.
+    Terrace,
+    /// A subtree at a moved point.
+    Warp,
+    /// Derivative to the east.
+    GradientX,
+    /// Derivative to the north.
+    GradientY,
+    /// Length of the gradient.
+    Slope,
+    /// Mean over a disc.
+    Smooth,
+    /// Blender's gradient noise.
+    BlenderNoise,
     /// Perlin's noise of 1985.
     OPerlin,
     /// Perlin's noise of 2002.
     IPerlin,
     /// One value a cell.
     CellNoise,
-    /// Distance to the nearest random point.
-    VoronoiF1,
-    /// Distance to the second nearest random point.
-    VoronoiF2,
+    /// Distances to random points, measured as the feature says.
+    Voronoi(Feature),
+    /// The distance to the nearest point, under its general name.
+    VoronoiDistance,
     /// Fractional Brownian motion.
     Fbm,
+    /// Musgrave's multiplicative multifractal.
+    Multifractal,
+    /// Musgrave's heterogeneous terrain.
+    HeteroTerrain,
+    /// Musgrave's hybrid multifractal.
+    HybridMultifractal,
     /// Musgrave's ridged multifractal.
     RidgedMultifractal,
     /// Perlin's turbulence.
     Turbulence,
+    /// A noise distorted by another.
+    DistortedNoise,
+    /// A random surface with a given spectrum.
+    Spectral,
 }
 
 /// A number that belongs to a node.
@@ -153,9 +191,21 @@ pub struct Parameter {
     pub min: f64,
     /// Greatest value.
     pub max: f64,
+    /// The value where it is left out; `None` if it must be given.
+    pub default: Option<f64>,
 }
 
-/// A choice that belongs to a node, written `name=value`.
+impl Parameter {
+    const fn required(name: &'static str, min: f64, max: f64) -> Self {
+        Self { name, min, max, default: None }
+    }
+
+    const fn optional(name: &'static str, min: f64, max: f64, default: f64) -> Self {
+        Self { name, min, max, default: Some(default) }
+    }
+}
+
+/// A choice that belongs to a node, written `name=value`, or the value alone among the positional arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choice {
     /// Its name.
@@ -173,9 +223,9 @@ pub struct Signature {
     pub operation: Operation,
     /// Names of the subtrees, which come first among the arguments.
     pub subtrees: &'static [&'static str],
-    /// Numbers, which come after the subtrees; all are required.
+    /// Numbers, which come after the subtrees: those that must be given first.
     pub parameters: &'static [Parameter],
-    /// Named choices with defaults.
+    /// Choices with defaults.
     pub choices: &'static [Choice],
     /// Whether the node has noise lattices of its own and takes `seed=`.
     pub noise: bool,
@@ -184,42 +234,75 @@ pub struct Signature {
 /// The greatest number of a node's own seed.
 pub(super) const MAX_SEED: f64 = 4_294_967_295.0;
 
-const BASES: Choice = Choice { name: "basis", values: &["o_perlin", "i_perlin", "cell_noise", "voronoi_f1", "voronoi_f2"] };
-const METRICS: Choice = Choice { name: "metric", values: &["distance", "squared", "manhattan", "chebychev"] };
+/// The noises that fractals are made of, as `basis=` names them.
+const BASIS_NAMES: &[&str] =
+    &["o_perlin", "i_perlin", "blender_noise", "cell_noise", "voronoi_f1", "voronoi_f2", "voronoi_f3", "voronoi_f4", "voronoi_f2f1", "voronoi_crackle"];
+const BASES: Choice = Choice { name: "basis", values: BASIS_NAMES };
+const FIRST_BASIS: Choice = Choice { name: "basis1", values: BASIS_NAMES };
+const SECOND_BASIS: Choice = Choice { name: "basis2", values: BASIS_NAMES };
+const METRICS: Choice = Choice { name: "metric", values: &["distance", "squared", "manhattan", "chebychev", "minkowski"] };
 const HARD: Choice = Choice { name: "hard", values: &["false", "true"] };
-const H: Parameter = Parameter { name: "H", min: 0.0, max: 4.0 };
-const LACUNARITY: Parameter = Parameter { name: "lacunarity", min: 1.1, max: 8.0 };
-const OCTAVES: Parameter = Parameter { name: "octaves", min: 1.0, max: 32.0 };
-const OFFSET: Parameter = Parameter { name: "offset", min: 0.0, max: 8.0 };
-const GAIN: Parameter = Parameter { name: "gain", min: 0.0, max: 32.0 };
-const AMPLITUDE: Parameter = Parameter { name: "amplitude", min: 0.0, max: 2.0 };
-const FREQUENCY: Parameter = Parameter { name: "frequency", min: 1.1, max: 8.0 };
+const EIGHT_DIRECTIONS: Choice = Choice { name: "direction", values: &["n", "ne", "e", "se", "s", "sw", "w", "nw"] };
+const FOUR_DIRECTIONS: Choice = Choice { name: "direction", values: &["n", "e", "s", "w"] };
+const EXPONENT: Parameter = Parameter::optional("exponent", 0.5, 16.0, 2.5);
+const CENTRE_X: Parameter = Parameter::optional("centre_x", -1e9, 1e9, 0.0);
+const CENTRE_Y: Parameter = Parameter::optional("centre_y", -1e9, 1e9, 0.0);
+const REPEAT: Parameter = Parameter::optional("repeat", 0.0, 1e9, 0.0);
+const H: Parameter = Parameter::required("H", 0.0, 4.0);
+const LACUNARITY: Parameter = Parameter::required("lacunarity", 1.1, 8.0);
+const OCTAVES: Parameter = Parameter::required("octaves", 1.0, 32.0);
+const OFFSET: Parameter = Parameter::required("offset", 0.0, 8.0);
+const GAIN: Parameter = Parameter::required("gain", 0.0, 32.0);
+const AMPLITUDE: Parameter = Parameter::required("amplitude", 0.0, 2.0);
+const FREQUENCY: Parameter = Parameter::required("frequency", 1.1, 8.0);
 
 const fn leaf(name: &'static str, operation: Operation) -> Signature {
     Signature { name, operation, subtrees: &[], parameters: &[], choices: &[], noise: false }
+}
+
+const fn shape(name: &'static str, operation: Operation, parameters: &'static [Parameter], choices: &'static [Choice]) -> Signature {
+    Signature { parameters, choices, ..leaf(name, operation) }
 }
 
 const fn noise(name: &'static str, operation: Operation, parameters: &'static [Parameter], choices: &'static [Choice]) -> Signature {
     Signature { parameters, choices, noise: true, ..leaf(name, operation) }
 }
 
+const fn voronoi(name: &'static str, operation: Operation) -> Signature {
+    noise(name, operation, &[EXPONENT], &[METRICS])
+}
+
+const fn function(name: &'static str, operation: Operation, subtrees: &'static [&'static str], parameters: &'static [Parameter]) -> Signature {
+    Signature { subtrees, parameters, ..leaf(name, operation) }
+}
+
 const fn unary(name: &'static str, operation: Unary) -> Signature {
-    Signature { subtrees: &["a"], ..leaf(name, Operation::Unary(operation)) }
+    function(name, Operation::Unary(operation), &["a"], &[])
 }
 
 const fn binary(name: &'static str, operation: Binary) -> Signature {
-    Signature { subtrees: &["a", "b"], ..leaf(name, Operation::Binary(operation)) }
+    function(name, Operation::Binary(operation), &["a", "b"], &[])
 }
 
 /// Every operation but constants, which are written as bare numbers.
-static SIGNATURES: [Signature; 26] = [
+static SIGNATURES: [Signature; 50] = [
     leaf("x", Operation::X),
     leaf("y", Operation::Y),
+    shape("gauss", Operation::Gauss, &[Parameter::required("width", 1e-6, 1e6), CENTRE_X, CENTRE_Y, REPEAT], &[]),
+    shape("plane", Operation::Plane, &[], &[EIGHT_DIRECTIONS]),
+    shape("step", Operation::Step, &[Parameter::optional("softness", 0.0, 1e6, 0.0), REPEAT], &[FOUR_DIRECTIONS]),
+    shape("sphere", Operation::Sphere, &[Parameter::required("radius", 1e-6, 1e6), CENTRE_X, CENTRE_Y, REPEAT], &[]),
+    noise("blender_noise", Operation::BlenderNoise, &[], &[]),
     noise("o_perlin", Operation::OPerlin, &[], &[]),
     noise("i_perlin", Operation::IPerlin, &[], &[]),
     noise("cell_noise", Operation::CellNoise, &[], &[]),
-    noise("voronoi_f1", Operation::VoronoiF1, &[], &[METRICS]),
-    noise("voronoi_f2", Operation::VoronoiF2, &[], &[METRICS]),
+    voronoi("voronoi_f1", Operation::Voronoi(Feature::F1)),
+    voronoi("voronoi_f2", Operation::Voronoi(Feature::F2)),
+    voronoi("voronoi_f3", Operation::Voronoi(Feature::F3)),
+    voronoi("voronoi_f4", Operation::Voronoi(Feature::F4)),
+    voronoi("voronoi_f2f1", Operation::Voronoi(Feature::F2F1)),
+    voronoi("voronoi_crackle", Operation::Voronoi(Feature::Crackle)),
+    voronoi("voronoi", Operation::VoronoiDistance),
     binary("plus", Binary::Plus),
     binary("minus", Binary::Minus),
     binary("multiply", Binary::Multiply),
@@ -236,9 +319,23 @@ static SIGNATURES: [Signature; 26] = [
     unary("abs", Unary::Abs),
     unary("log", Unary::Log),
     unary("sqrt", Unary::Sqrt),
+    function("clamp", Operation::Clamp, &["a", "low", "high"], &[]),
+    function("mix", Operation::Mix, &["a", "b", "t"], &[]),
+    function("select", Operation::Select, &["mask", "a", "b"], &[]),
+    function("terrace", Operation::Terrace, &["h"], &[Parameter::required("n", 0.01, 10_000.0), Parameter::required("sharpness", 0.0, 0.99)]),
+    function("warp", Operation::Warp, &["h", "dx", "dy"], &[]),
+    function("gradient_x", Operation::GradientX, &["h"], &[]),
+    function("gradient_y", Operation::GradientY, &["h"], &[]),
+    function("slope", Operation::Slope, &["h"], &[]),
+    function("smooth", Operation::Smooth, &["h"], &[Parameter::required("r", 1e-6, 1e6)]),
     noise("fbm", Operation::Fbm, &[H, LACUNARITY, OCTAVES], &[BASES]),
+    noise("multifractal", Operation::Multifractal, &[H, LACUNARITY, OCTAVES], &[BASES]),
+    noise("hetero_terrain", Operation::HeteroTerrain, &[H, LACUNARITY, OCTAVES, OFFSET], &[BASES]),
+    noise("hybrid_multifractal", Operation::HybridMultifractal, &[H, LACUNARITY, OCTAVES, OFFSET, GAIN], &[BASES]),
     noise("ridged_multifractal", Operation::RidgedMultifractal, &[H, LACUNARITY, OCTAVES, OFFSET, GAIN], &[BASES]),
     noise("turbulence", Operation::Turbulence, &[OCTAVES, AMPLITUDE, FREQUENCY], &[HARD, BASES]),
+    noise("distorted_noise", Operation::DistortedNoise, &[Parameter::required("distortion", 0.0, 10.0)], &[FIRST_BASIS, SECOND_BASIS]),
+    noise("spectral", Operation::Spectral, &[Parameter::required("beta", 1.0, 3.0), Parameter::optional("octaves", 1.0, 32.0, 10.0)], &[]),
 ];
 
 impl Signature {
@@ -263,9 +360,11 @@ impl Signature {
     /// How a call is written: `fbm(H, lacunarity, octaves, basis=o_perlin)`.
     #[must_use]
     pub fn usage(&self) -> String {
-        let positional = self.subtrees.iter().copied().chain(self.parameters.iter().map(|p| p.name)).map(str::to_owned);
+        let subtrees = self.subtrees.iter().map(|&name| name.to_owned());
+        let parameters =
+            self.parameters.iter().map(|parameter| parameter.default.map_or(parameter.name.to_owned(), |default| format!("{}={default}", parameter.name)));
         let choices = self.choices.iter().map(|choice| format!("{}={}", choice.name, choice.values[0]));
-        let all: Vec<_> = positional.chain(choices).collect();
+        let all: Vec<_> = subtrees.chain(parameters).chain(choices).collect();
         if all.is_empty() { self.name.to_owned() } else { format!("{}({})", self.name, all.join(", ")) }
     }
 }

@@ -13,8 +13,12 @@ impl fmt::Display for Node {
             write!(f, "{separator}{child}")?;
             separator = ", ";
         }
-        for number in &self.value.parameters {
-            write!(f, "{separator}{number}")?;
+        for (parameter, number) in signature.parameters.iter().zip(&self.value.parameters) {
+            match parameter.default {
+                None => write!(f, "{separator}{number}")?,
+                Some(default) if default != *number => write!(f, "{separator}{}={number}", parameter.name)?,
+                Some(_) => continue,
+            }
             separator = ", ";
         }
         for (choice, &chosen) in signature.choices.iter().zip(&self.value.choices) {

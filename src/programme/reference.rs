@@ -2,59 +2,79 @@
 
 use super::{
     Frame,
-    node::{Keys, Node},
-    operation::Operation,
+    evaluate::{Prepared, offsets},
+    graph::{Graph, HERE, Id, Place, PlaceId},
+    kernels,
+    node::Node,
 };
-use crate::{geometry::Filter, noise::Field};
+use crate::geometry::Filter;
 
-/// The value at plane coordinates (x, y) as samples `spacing` metres apart see it, and how many node results were not finite and became 0.
-///
-/// Slow: every call prepares every noise. It is what [`super::Tape`] is held to.
-#[must_use]
-pub fn evaluate(root: &Node, frame: &Frame, x: f64, y: f64, spacing: f64, filter: Filter) -> (f32, u64) {
-    let mut point = Point { frame, x, y, spacing, filter, keys: Keys::new(frame.seed), non_finite: 0 };
-    let value = point.evaluate(root);
-    (value, point.non_finite)
-}
-
-/// The noise of a node as a window's samples see it; `None` for other nodes.
-pub(super) fn field(node: &Node, keys: &mut Keys, frame: &Frame, spacing: f64, filter: Filter) -> Option<Field> {
-    let (shape, basis) = node.field()?;
-    let key = keys.next(node);
-    Some(match filter {
-        Filter::Exact => Field::exact(shape, basis, key),
-        Filter::Band => Field::banded(shape, basis, key, spacing / frame.scale),
-    })
-}
-
-struct Point<'a> {
-    frame: &'a Frame,
-    x: f64,
-    y: f64,
+/// A programme as it is held against [`super::Tape`]: step by step as it was written, without simplification, one point at a time.
+pub struct Reference {
+    graph: Graph,
+    order: Vec<Id>,
+    frame: Frame,
+    prepared: Prepared,
     spacing: f64,
-    filter: Filter,
-    keys: Keys,
-    non_finite: u64,
 }
 
-impl Point<'_> {
-    fn evaluate(&mut self, node: &Node) -> f32 {
-        let (u, v) = ((self.x - self.frame.origin[0]) / self.frame.scale, (self.y - self.frame.origin[1]) / self.frame.scale);
-        let value = match node.operation {
-            Operation::Constant => node.value.parameters[0] as f32,
-            Operation::X => u as f32,
-            Operation::Y => v as f32,
-            Operation::Unary(operation) => operation.apply(self.evaluate(&node.children[0])),
-            Operation::Binary(operation) => {
-                let a = self.evaluate(&node.children[0]);
-                operation.apply(a, self.evaluate(&node.children[1]))
-            }
-            _ => field(node, &mut self.keys, self.frame, self.spacing, self.filter).map_or(0.0, |field| field.at(u, v)),
-        };
-        if value.is_finite() {
-            return value;
+impl Reference {
+    /// A programme as samples `spacing` metres apart see it.
+    ///
+    /// # Panics
+    /// If the node does not come from a [`super::Programme`], which has checked its size.
+    #[must_use]
+    pub fn new(root: &Node, frame: &Frame, spacing: f64, filter: Filter) -> Self {
+        let plain = |root| Graph::plain(root).ok().zip(Graph::simplified(root).ok());
+        let (graph, simplified) = plain(root).expect("a programme's size was checked when it was parsed");
+        let mut prepared = Prepared::new(&graph, frame, spacing, filter);
+        prepared.subsamples = Prepared::new(&simplified, frame, spacing, filter).subsamples;
+        Self { order: graph.reachable(graph.root), graph, frame: *frame, prepared, spacing }
+    }
+
+    /// The value at plane coordinates (x, y).
+    #[must_use]
+    pub fn at(&self, x: f64, y: f64) -> f32 {
+        let n = self.prepared.subsamples;
+        if n == 1 {
+            return self.sample(x, y);
         }
-        self.non_finite += 1;
-        0.0
+        let mut sum = 0.0;
+        for dy in offsets(n, self.spacing) {
+            for dx in offsets(n, self.spacing) {
+                sum += self.sample(x + dx, y + dy);
+            }
+        }
+        sum * (1.0 / (n * n) as f32)
+    }
+
+    fn sample(&self, x: f64, y: f64) -> f32 {
+        let here = [(x - self.frame.origin[0]) / self.frame.scale, (y - self.frame.origin[1]) / self.frame.scale];
+        let mut values = vec![0.0_f32; self.graph.steps.len()];
+        for &id in &self.order {
+            let step = self.graph.steps[id];
+            let at = self.position(step.place().unwrap_or(HERE), here, &values);
+            let mut operands = [0.0; 3];
+            for (value, operand) in operands.iter_mut().zip(step.operands()) {
+                *value = values[operand];
+            }
+            let value = kernels::value(step, operands, at, &self.prepared);
+            values[id] = if value.is_finite() { value } else { 0.0 };
+        }
+        values[self.graph.root]
+    }
+
+    fn position(&self, place: PlaceId, here: [f64; 2], values: &[f32]) -> [f64; 2] {
+        match self.graph.places[place] {
+            Place::Grid { du, dv } => [here[0] + du.get(), here[1] + dv.get()],
+            Place::Shifted { base, du, dv } => {
+                let [u, v] = self.position(base, here, values);
+                [u + du.get(), v + dv.get()]
+            }
+            Place::Moved { base, dx, dy } => {
+                let [u, v] = self.position(base, here, values);
+                [u + f64::from(values[dx]), v + f64::from(values[dy])]
+            }
+        }
     }
 }

@@ -33,19 +33,29 @@ fn constant(number: f64, syntax: &Syntax, at: &str) -> Result<Node, ParseError> 
     Ok(Node { operation: Operation::Constant, value: Value { parameters: vec![number], choices: Vec::new(), seed: None }, children: Vec::new() })
 }
 
+/// `const(0.3)`, the long form of `0.3`.
+fn written_constant(call: &Call, syntax: &Syntax, at: &str) -> Result<Node, ParseError> {
+    match (&call.positional[..], &call.named[..]) {
+        ([Syntax { kind: Kind::Number(number), .. }], []) => constant(*number, syntax, at),
+        _ => Err(ParseError::new(at, syntax.span.clone(), "const takes one number: const(0.3), or 0.3 alone")),
+    }
+}
+
 fn node(call: &Call, syntax: &Syntax, at: &str) -> Result<Node, ParseError> {
+    if call.name == "const" {
+        return written_constant(call, syntax, at);
+    }
     let signature = Signature::named(&call.name).ok_or_else(|| unknown(call, at))?;
-    let arguments = Arguments { call, signature, at, span: syntax.span.clone() };
+    let arguments = Arguments::new(call, signature, at, syntax.span.clone());
     arguments.check_positional_count()?;
     arguments.check_names()?;
     let subtree = |i: usize, name: &&str| {
-        let (argument, place) = arguments.find(i, name)?;
+        let (argument, place) = arguments.find(Some(i), name).ok_or_else(|| arguments.lacks(name))?;
         expression(argument, &place)
     };
     let children = signature.subtrees.iter().enumerate().map(|(i, name)| subtree(i, name)).collect::<Result<_, _>>()?;
-    let first = signature.subtrees.len();
-    let parameters = signature.parameters.iter().enumerate().map(|(i, parameter)| arguments.parameter(first + i, parameter)).collect::<Result<_, _>>()?;
-    let choices = signature.choices.iter().map(|choice| arguments.choice(choice)).collect::<Result<_, _>>()?;
+    let parameters = signature.parameters.iter().enumerate().map(|(i, parameter)| arguments.parameter(i, parameter)).collect::<Result<_, _>>()?;
+    let choices = signature.choices.iter().enumerate().map(|(i, choice)| arguments.choice(i, choice)).collect::<Result<_, _>>()?;
     let seed = arguments.seed()?;
     Ok(Node { operation: signature.operation, value: Value { parameters, choices, seed }, children })
 }
@@ -66,15 +76,30 @@ struct Arguments<'a> {
     signature: &'static Signature,
     at: &'a str,
     span: Option<Range<usize>>,
+    /// Positions of the arguments that stand for the parameters, in their order.
+    parameters: Vec<usize>,
+    /// Positions of the arguments that stand for the choices, in their order.
+    choices: Vec<usize>,
 }
 
 impl<'a> Arguments<'a> {
+    /// After the subtrees, an argument that is a value of the next choice stands for that choice and any other for the next parameter.
+    fn new(call: &'a Call, signature: &'static Signature, at: &'a str, span: Option<Range<usize>>) -> Self {
+        let (mut parameters, mut choices) = (Vec::new(), Vec::new());
+        for (i, argument) in call.positional.iter().enumerate().skip(signature.subtrees.len()) {
+            let chosen = signature.choices.get(choices.len()).is_some_and(|choice| symbol(argument).is_some_and(|symbol| choice.values.contains(&symbol)));
+            if chosen { choices.push(i) } else { parameters.push(i) }
+        }
+        Self { call, signature, at, span, parameters, choices }
+    }
+
     fn error(&self, message: String) -> ParseError {
         ParseError::new(self.at, self.span.clone(), message)
     }
 
     fn check_positional_count(&self) -> Result<(), ParseError> {
-        let (given, wanted) = (self.call.positional.len(), self.signature.subtrees.len() + self.signature.parameters.len());
+        let wanted = self.signature.subtrees.len() + self.signature.parameters.len();
+        let given = self.call.positional.len() - self.choices.len();
         if given <= wanted {
             return Ok(());
         }
@@ -96,37 +121,51 @@ impl<'a> Arguments<'a> {
                 let message = format!("{} has no argument \"{}\"{near}: {}", self.signature.name, shortened(&named.name), self.signature.usage());
                 return Err(ParseError::new(place, named.name_span.clone(), message));
             };
-            if position < self.call.positional.len() || self.call.named[..i].iter().any(|other| other.name == named.name) {
+            if self.is_positional(position) || self.call.named[..i].iter().any(|other| other.name == named.name) {
                 return Err(ParseError::new(place, named.name_span.clone(), format!("\"{}\" is given twice", named.name)));
             }
         }
         Ok(())
     }
 
-    /// The argument at position `i` or of a name, and its place.
-    fn find(&self, i: usize, name: &str) -> Result<(&'a Syntax, String), ParseError> {
-        if let Some(argument) = self.call.positional.get(i) {
-            return Ok((argument, format!("{}/args/{i}", self.at)));
+    /// Whether the argument of that place in [`Arguments::names`] was given by its position.
+    fn is_positional(&self, name: usize) -> bool {
+        let (subtrees, parameters) = (self.signature.subtrees.len(), self.signature.parameters.len());
+        if name < subtrees {
+            name < self.call.positional.len()
+        } else if name < subtrees + parameters {
+            name - subtrees < self.parameters.len()
+        } else {
+            name - subtrees - parameters < self.choices.len()
         }
-        self.named(name).ok_or_else(|| self.error(format!("{} lacks its argument \"{name}\": {}", self.signature.name, self.signature.usage())))
     }
 
-    fn named(&self, name: &str) -> Option<(&'a Syntax, String)> {
+    /// The positional argument at `position` or else the one of a name, and its place.
+    fn find(&self, position: Option<usize>, name: &str) -> Option<(&'a Syntax, String)> {
+        if let Some((i, argument)) = position.and_then(|i| self.call.positional.get(i).map(|argument| (i, argument))) {
+            return Some((argument, format!("{}/args/{i}", self.at)));
+        }
         let named = self.call.named.iter().find(|named| named.name == name)?;
         Some((&named.value, format!("{}/{name}", self.at)))
     }
 
-    fn parameter(&self, i: usize, parameter: &Parameter) -> Result<f64, ParseError> {
-        let (argument, place) = self.find(i, parameter.name)?;
-        number(argument, &place, parameter.name, parameter.min, parameter.max)
+    fn lacks(&self, name: &str) -> ParseError {
+        self.error(format!("{} lacks its argument \"{name}\": {}", self.signature.name, self.signature.usage()))
     }
 
-    fn choice(&self, choice: &Choice) -> Result<usize, ParseError> {
-        let Some((argument, place)) = self.named(choice.name) else { return Ok(0) };
+    fn parameter(&self, i: usize, parameter: &Parameter) -> Result<f64, ParseError> {
+        match (self.find(self.parameters.get(i).copied(), parameter.name), parameter.default) {
+            (Some((argument, place)), _) => number(argument, &place, parameter.name, parameter.min, parameter.max),
+            (None, Some(default)) => Ok(default),
+            (None, None) => Err(self.lacks(parameter.name)),
+        }
+    }
+
+    fn choice(&self, i: usize, choice: &Choice) -> Result<usize, ParseError> {
+        let Some((argument, place)) = self.find(self.choices.get(i).copied(), choice.name) else { return Ok(0) };
         let written = match &argument.kind {
-            Kind::Call(call) if call.positional.is_empty() && call.named.is_empty() => call.name.clone(),
-            Kind::Call(call) => format!("{}(…)", call.name),
             Kind::Number(number) => number.to_string(),
+            Kind::Call(call) => symbol(argument).map_or_else(|| format!("{}(…)", call.name), str::to_owned),
         };
         choice.values.iter().position(|value| *value == written).ok_or_else(|| {
             let near = suggestion(&written, choice.values.iter().copied());
@@ -136,12 +175,20 @@ impl<'a> Arguments<'a> {
     }
 
     fn seed(&self) -> Result<Option<u32>, ParseError> {
-        let Some((argument, place)) = self.named("seed") else { return Ok(None) };
+        let Some((argument, place)) = self.find(None, "seed") else { return Ok(None) };
         let seed = number(argument, &place, "seed", 0.0, MAX_SEED)?;
         if seed.fract() != 0.0 {
             return Err(ParseError::new(place, argument.span.clone(), format!("seed must be a whole number, got {seed}")));
         }
         Ok(Some(seed as u32))
+    }
+}
+
+/// A name without arguments.
+fn symbol(argument: &Syntax) -> Option<&str> {
+    match &argument.kind {
+        Kind::Call(call) if call.positional.is_empty() && call.named.is_empty() => Some(&call.name),
+        _ => None,
     }
 }
 

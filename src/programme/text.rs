@@ -215,7 +215,7 @@ mod tests {
         check("fbm(1, x, 8)", "at /args/1: lacunarity must be a number (1.1 … 8), not \"x\": parameters are plain numbers [x]");
         check(
             "fbm(1, 2, 8, basis=perlin)",
-            "at /basis: basis must be one of o_perlin, i_perlin, cell_noise, voronoi_f1, voronoi_f2, got \"perlin\" (did you mean \"o_perlin\"?) [perlin]",
+            "at /basis: basis must be one of o_perlin, i_perlin, blender_noise, cell_noise, voronoi_f1, voronoi_f2, voronoi_f3, voronoi_f4, voronoi_f2f1, voronoi_crackle, got \"perlin\" (did you mean \"o_perlin\"?) [perlin]",
         );
         check(
             "fbm(1, 2, 8, octave=3)",

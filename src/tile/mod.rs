@@ -9,7 +9,7 @@ mod tileset;
 pub use geotiff::write_geotiff;
 pub use tileset::{EncodeError, Tileset};
 
-use crate::geometry::{Filter, Grid, GridError, Samples, Source, Surface, Tile};
+use crate::geometry::{Filter, Grid, GridError, Samples, Source, Surface, Tile, Window};
 
 /// What a request for a tile asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -24,6 +24,16 @@ pub struct TileRequest {
     pub filter: Filter,
     /// How they are drawn.
     pub tileset: Tileset,
+}
+
+impl TileRequest {
+    /// The samples that the tile is made from: its own, and those around it that its tileset needs.
+    ///
+    /// # Errors
+    /// If the grid has no such tile.
+    pub fn window(&self) -> Result<Window, GridError> {
+        Ok(self.grid.window(self.tile, self.samples, self.filter)?.with_apron(self.tileset.apron()))
+    }
 }
 
 /// Why a tile could not be made.
@@ -44,7 +54,7 @@ pub enum TileError {
 /// # Errors
 /// If the grid has no such tile, or encoding fails.
 pub fn render(source: &impl Source, request: &TileRequest) -> Result<Vec<u8>, TileError> {
-    let window = request.grid.window(request.tile, request.samples, request.filter)?.with_apron(request.tileset.apron());
+    let window = request.window()?;
     let mut surface = Surface::of(&window);
     source.sample(&window, &mut surface);
     Ok(request.tileset.encode(&surface, window.spacing())?)

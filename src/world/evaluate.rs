@@ -3,7 +3,7 @@
 use super::{Document, Revision, fingerprint::Prefix};
 use crate::{
     geometry::{Source, Surface, Window},
-    programme::{Frame, Tape, cost_ns},
+    programme::{Frame, Tape},
 };
 use rayon::prelude::*;
 
@@ -26,7 +26,6 @@ pub struct World {
     revision: Revision,
     tape: Tape,
     frame: Frame,
-    cost_ns: f64,
     pub(super) prefix: Prefix,
 }
 
@@ -37,7 +36,7 @@ impl World {
         let base = &document.base;
         let tape = Tape::compile(base.programme.root());
         let frame = Frame { seed: document.seed, scale: base.scale, origin: base.origin };
-        Self { revision: document.revision(), tape, frame, cost_ns: cost_ns(base.programme.root()), prefix: Prefix::new(&document), document }
+        Self { revision: document.revision(), tape, frame, prefix: Prefix::new(&document), document }
     }
 
     /// The document.
@@ -52,10 +51,10 @@ impl World {
         &self.revision
     }
 
-    /// The predicted cost of evaluation, in nanoseconds a sample.
+    /// The predicted time to evaluate a window on one thread, in nanoseconds.
     #[must_use]
-    pub fn cost_ns(&self) -> f64 {
-        self.cost_ns
+    pub fn cost_ns(&self, window: &Window) -> f64 {
+        self.tape.cost_ns(window.spacing() / self.frame.scale, window.filter) * window.samples() as f64
     }
 
     /// The terrain over a window, on the calling thread.

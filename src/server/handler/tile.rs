@@ -61,7 +61,8 @@ pub(crate) async fn get_tile(
     if is_fresh(&headers, &tag) {
         return Ok(not_modified(&tag, freshness));
     }
-    let cost_ns = live.world.cost_ns() * (request.samples.side() * request.samples.side()) as f64;
+    let window = request.window().map_err(|error| ApiError::absent("tile", error.to_string()))?;
+    let cost_ns = live.world.cost_ns(&window);
     let bytes = app.0.tiles.get(fingerprint, cost_ns, move || tile::render(&live.world, &request)).await?;
     Ok(tagged(([(header::CONTENT_TYPE, request.tileset.media_type())], bytes), &tag, freshness))
 }
