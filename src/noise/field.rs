@@ -114,7 +114,7 @@ impl FieldShape {
 }
 
 /// How much of a lattice with cells of `cell` metres samples `spacing` metres apart can carry: 0 below two samples a cell, 1 from four on.
-fn carried(cell: f64, spacing: f64) -> f64 {
+pub(super) fn carried(cell: f64, spacing: f64) -> f64 {
     let t = (cell / (2.0 * spacing) - 1.0).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }

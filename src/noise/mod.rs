@@ -14,6 +14,7 @@ mod hash;
 mod isa;
 mod moments;
 mod stub;
+mod valleys;
 
 pub use basis::Basis;
 pub use cellular::{Feature, Metric};
@@ -21,3 +22,4 @@ pub use field::{Field, FieldShape, Rows};
 pub use hash::{key, mix};
 pub use isa::{Isa, Kernel};
 pub use moments::Moments;
+pub use valleys::{Erosion, Terrain, Valleys};

@@ -42,6 +42,11 @@ pub(super) fn ranges(graph: &Graph, fields: &[Field]) -> Vec<Range> {
             },
             Step::Terrace(terrace, a) => ranges[a].map(|h| f64::from(terrace.apply(h as f32))),
             Step::TerraceSlope(terrace, _) => [0.0, terrace.max_slope()],
+            // A valley's bed lies between two nodes, less the incision.
+            Step::Erosion(erosion, of, _) => {
+                let [low, high] = ranges[of];
+                [low - (high - low) * graph.erosions[erosion].erosion.greatest_cut(), high]
+            }
         };
         ranges.push(match step {
             Step::Number(_) | Step::Select(..) => range,
@@ -160,6 +165,8 @@ fn slopes(graph: &Graph, fields: &[Field], ranges: &[Range]) -> Vec<f64> {
             Step::Binary(operation, a, b) => binary_slope(operation, [slopes[a], slopes[b]], [ranges[a], ranges[b]]),
             Step::Select(_, a, b) => slopes[a].max(slopes[b]),
             Step::Terrace(terrace, a) => terrace.max_slope() * slopes[a],
+            // Across a valley's side the terrain falls to its bed.
+            Step::Erosion(erosion, of, _) => slopes[of] + graph.erosions[erosion].erosion.greatest_slope() * (ranges[id][1] - ranges[id][0]),
         };
         slopes.push(if slope.is_nan() { f64::INFINITY } else { slope });
     }

@@ -22,15 +22,22 @@ impl Tape {
     pub fn cost_ns(&self, spacing: f64, filter: Filter) -> f64 {
         let carried = if filter == Filter::Band { spacing } else { 0.0 };
         let subsamples = bounds::subsamples(&self.graph, &bounds::fields(&self.graph, 0, carried), carried);
-        let instructions = self.samples.iter().map(|instruction| self.instruction_ns(instruction, spacing, filter)).sum::<f64>();
-        BLOCK_NS + (subsamples * subsamples) as f64 * instructions
+        BLOCK_NS + (subsamples * subsamples) as f64 * self.samples_ns(spacing, filter)
     }
 
-    /// The greatest predicted cost of a sample in nanoseconds at any spacing.
+    fn samples_ns(&self, spacing: f64, filter: Filter) -> f64 {
+        self.samples.iter().map(|instruction| self.instruction_ns(instruction, spacing, filter)).sum()
+    }
+
+    /// The greatest predicted cost of a sample in nanoseconds at any spacing, with nothing but octaves of noise that are finer than the samples.
+    ///
+    /// Exact samples further apart than the valleys of an erosion cost more: each has to find a network of its own.
     #[must_use]
     pub fn peak_cost_ns(&self) -> f64 {
         let band = (-24..=6).map(|level| self.cost_ns(f64::powi(2.0, level), Filter::Band)).fold(0.0, f64::max);
-        band.max(self.cost_ns(64.0, Filter::Exact))
+        let pitches = self.graph.erosions.iter().flat_map(|eroded| eroded.erosion.pitches().map(|(pitch, _)| pitch));
+        let finest = pitches.fold(64.0, f64::min);
+        band.max(self.cost_ns(finest / 2.0, Filter::Exact))
     }
 
     fn instruction_ns(&self, instruction: &Instruction, spacing: f64, filter: Filter) -> f64 {
@@ -40,8 +47,25 @@ impl Tape {
             Instruction::Rows { rows, .. } => noise(self.noise_rows[rows].0, Way::Rows),
             Instruction::Noise { noise: of, .. } => noise(of, Way::Points),
             Instruction::Slopes { noise: of, .. } => SLOPES * noise(of, Way::Points),
+            Instruction::Erosion { erosion, .. } => self.erosion_ns(erosion, spacing, filter),
             Instruction::Step { step, .. } => step_ns(step),
         }
+    }
+
+    /// Links for every sample, and nodes shared by the samples of a cell.
+    fn erosion_ns(&self, erosion: usize, spacing: f64, filter: Filter) -> f64 {
+        let mut terrain = self.terrains[erosion].samples_ns(1.0, Filter::Exact);
+        let mut sum = 0.0;
+        for (pitch, candidates) in self.graph.erosions[erosion].erosion.pitches() {
+            if filter == Filter::Band && pitch <= 2.0 * spacing {
+                break;
+            }
+            // A sample has no more nodes than those around it alone.
+            let nodes = (spacing / pitch) * (spacing / pitch);
+            sum += LINKS_NS + nodes.min(400.0) * (NODE_NS + candidates * terrain);
+            terrain += LINKS_NS;
+        }
+        sum
     }
 }
 
@@ -50,6 +74,12 @@ const BLOCK_NS: f64 = 0.2;
 
 /// How much more a noise's two slopes cost than its value.
 const SLOPES: f64 = 3.0;
+
+/// What the links of one lattice of an erosion cost.
+const LINKS_NS: f64 = 25.0;
+
+/// What finding a node and its link costs, its height apart.
+const NODE_NS: f64 = 600.0;
 
 /// How a noise is evaluated.
 #[derive(Clone, Copy, PartialEq)]
@@ -112,6 +142,6 @@ fn step_ns(step: Step) -> f64 {
         Step::Terrace(..) | Step::TerraceSlope(..) => 1.0,
         Step::Shape(..) | Step::ShapeSlope(..) => 4.0,
         Step::Number(_) | Step::Coordinate(..) => 0.3,
-        Step::Noise(..) | Step::NoiseSlope(..) => 0.0,
+        Step::Noise(..) | Step::NoiseSlope(..) | Step::Erosion(..) => 0.0,
     }
 }

@@ -60,7 +60,7 @@ impl Builder {
                 let slope = self.push(Step::TerraceSlope(terrace, a));
                 self.binary(Binary::Multiply, slope, da)
             }),
-            Step::Shape(..) | Step::Noise(..) | Step::ShapeSlope(..) | Step::NoiseSlope(..) | Step::TerraceSlope(..) => Some(self.difference(id, known.axis)),
+            _ => Some(self.difference(id, known.axis)),
         }
     }
 

@@ -2,14 +2,14 @@
 
 use super::{
     Frame, bounds,
-    graph::{Axis, Step},
+    graph::{Axis, Eroded, Graph, Step},
     kernels::{self, Input},
     shape::Filtered,
     tape::{Instruction, Points, Slot, Tape},
 };
 use crate::{
     geometry::{Filter, Window},
-    noise::{Field, Isa, Rows},
+    noise::{Field, Isa, Rows, Terrain, Valleys},
 };
 
 /// Samples a block: registers of a typical programme stay within the first-level cache.
@@ -21,15 +21,17 @@ pub(super) struct Prepared {
     pub shapes: Vec<Filtered>,
     /// Samples a side that every sample of the window is the mean of.
     pub subsamples: usize,
+    /// Distance of the samples in programme units; 0 for the programme as it is.
+    pub spacing: f64,
 }
 
 impl Prepared {
-    pub(super) fn new(graph: &super::graph::Graph, frame: &Frame, spacing: f64, filter: Filter) -> Self {
+    pub(super) fn new(graph: &Graph, frame: &Frame, spacing: f64, filter: Filter) -> Self {
         let spacing = if filter == Filter::Band { spacing / frame.scale } else { 0.0 };
         let fields = bounds::fields(graph, frame.seed, spacing);
         let shapes = graph.shapes.iter().map(|shape| shape.filtered(spacing)).collect();
         let subsamples = bounds::subsamples(graph, &fields, spacing);
-        Self { fields, shapes, subsamples }
+        Self { fields, shapes, subsamples, spacing }
     }
 }
 
@@ -59,7 +61,24 @@ pub(super) struct Evaluation<'a> {
     columns: Vec<Vec<f32>>,
     registers: Vec<Vec<f32>>,
     positions: Vec<Positions>,
+    erosions: Vec<Eroding<'a>>,
     non_finite: u64,
+}
+
+/// Valleys, and the terrain that they are cut into.
+struct Eroding<'a> {
+    valleys: Valleys,
+    terrain: Evaluation<'a>,
+}
+
+impl Terrain for Evaluation<'_> {
+    fn heights(&mut self, us: &[f64], vs: &[f64], out: &mut [f32]) {
+        for ((us, vs), out) in us.chunks(BLOCK).zip(vs.chunks(BLOCK)).zip(out.chunks_mut(BLOCK)) {
+            self.positions[0].u[..us.len()].copy_from_slice(us);
+            self.positions[0].v[..vs.len()].copy_from_slice(vs);
+            self.block(0, 0.0, out);
+        }
+    }
 }
 
 impl<'a> Evaluation<'a> {
@@ -69,9 +88,28 @@ impl<'a> Evaluation<'a> {
         let sub = offsets(n, window.spacing());
         let columns: Vec<f64> =
             window.columns.coordinates().flat_map(|x| sub.clone().map(move |d| x + d)).map(|x| (x - frame.origin[0]) / frame.scale).collect();
+        let mut evaluation = Self::prepared(isa, tape, frame, prepared, &columns);
+        evaluation.once(columns.len(), window.rows.len() * n);
+        evaluation
+    }
+
+    /// For positions that are given, of the programme as it is.
+    fn anywhere(isa: Isa, tape: &'a Tape, frame: &'a Frame) -> Self {
+        let prepared = Prepared::new(&tape.graph, frame, 1.0, Filter::Exact);
+        let mut evaluation = Self::prepared(isa, tape, frame, prepared, &[]);
+        evaluation.once(1, 1);
+        evaluation
+    }
+
+    fn prepared(isa: Isa, tape: &'a Tape, frame: &'a Frame, prepared: Prepared, columns: &[f64]) -> Self {
         let grids: Vec<Vec<f64>> = tape.grids.iter().map(|[du, _]| columns.iter().map(|u| u + du).collect()).collect();
         let noise_rows = tape.noise_rows.iter().map(|&(noise, grid)| prepared.fields[noise].rows_on(isa, &grids[grid])).collect();
-        let mut evaluation = Self {
+        let eroding = |(eroded, terrain): (&Eroded, &'a Tape)| {
+            let valleys = Valleys::new(isa, &eroded.erosion, eroded.lattices.key(frame.seed), prepared.spacing);
+            Eroding { valleys, terrain: Self::anywhere(isa, terrain, frame) }
+        };
+        let erosions = tape.graph.erosions.iter().zip(&tape.terrains).map(eroding).collect();
+        Self {
             isa,
             tape,
             frame,
@@ -82,10 +120,9 @@ impl<'a> Evaluation<'a> {
             columns: vec![vec![0.0; columns.len()]; tape.column_count],
             registers: vec![vec![0.0; BLOCK]; tape.register_count],
             positions: vec![Positions { u: vec![0.0; BLOCK], v: vec![0.0; BLOCK] }; tape.position_count],
+            erosions,
             non_finite: 0,
-        };
-        evaluation.once(columns.len(), window.rows.len() * n);
-        evaluation
+        }
     }
 
     /// Evaluates what is the same for the window, and what is the same for each column.
@@ -132,14 +169,17 @@ impl<'a> Evaluation<'a> {
             self.non_finite += self.scalar(instruction, v) * out.len() as u64;
         }
         for (block, out) in out.chunks_mut(BLOCK).enumerate() {
-            let start = block * BLOCK;
-            for instruction in &self.tape.samples {
-                self.non_finite += self.instruction(instruction, start, v, out.len());
-            }
-            match self.input(self.tape.root, start, out.len()) {
-                Input::Number(number) => out.fill(number),
-                Input::Samples(samples) => out.copy_from_slice(samples),
-            }
+            self.block(block * BLOCK, v, out);
+        }
+    }
+
+    fn block(&mut self, start: usize, v: f64, out: &mut [f32]) {
+        for instruction in &self.tape.samples {
+            self.non_finite += self.instruction(instruction, start, v, out.len());
+        }
+        match self.input(self.tape.root, start, out.len()) {
+            Input::Number(number) => out.fill(number),
+            Input::Samples(samples) => out.copy_from_slice(samples),
         }
     }
 
@@ -190,6 +230,27 @@ impl<'a> Evaluation<'a> {
                 }
                 let non_finite = kernels::keep_finite(self.isa, &mut du[..count]) + kernels::keep_finite(self.isa, &mut dv[..count]);
                 (self.registers[to_u], self.registers[to_v]) = (du, dv);
+                non_finite
+            }
+            Instruction::Erosion { to, erosion, of, at } => {
+                let mut out = std::mem::take(&mut self.registers[to]);
+                match self.input(of, start, count) {
+                    Input::Number(height) => out[..count].fill(height),
+                    Input::Samples(heights) => out[..count].copy_from_slice(heights),
+                }
+                let Eroding { valleys, terrain } = &mut self.erosions[erosion];
+                match at {
+                    Points::Grid(grid) => {
+                        let (us, vs) = (&self.grids[grid][start..start + count], [v + self.tape.grids[grid][1]; BLOCK]);
+                        valleys.carve(terrain, us, &vs[..count], &mut out[..count]);
+                    }
+                    Points::Anywhere(at) => {
+                        let at = &self.positions[at];
+                        valleys.carve(terrain, &at.u[..count], &at.v[..count], &mut out[..count]);
+                    }
+                }
+                let non_finite = kernels::keep_finite(self.isa, &mut out[..count]);
+                self.registers[to] = out;
                 non_finite
             }
             Instruction::Move { to, base, by } => {
@@ -259,7 +320,7 @@ impl<'a> Evaluation<'a> {
             Step::Select(..) => kernels::select(self.isa, [input(0), input(1), input(2)], out),
             Step::Terrace(terrace, _) => kernels::map(self.isa, input(0), out, |h| terrace.apply(h)),
             Step::TerraceSlope(terrace, _) => kernels::map(self.isa, input(0), out, |h| terrace.slope(h)),
-            Step::Noise(..) | Step::NoiseSlope(..) => 0,
+            Step::Noise(..) | Step::NoiseSlope(..) | Step::Erosion(..) => 0,
         }
     }
 

@@ -7,8 +7,8 @@ use super::{
     simplify,
     terrace::Terrace,
 };
-use crate::noise::{Basis, FieldShape};
-use std::collections::HashMap;
+use crate::noise::{Basis, Erosion, FieldShape};
+use std::{collections::HashMap, sync::Arc};
 
 /// Most steps of a programme whose derivatives and averages are written out.
 pub(super) const MAX_STEPS: usize = 65_536;
@@ -57,6 +57,16 @@ pub(super) struct Noise {
     pub part: u64,
 }
 
+/// An erosion of the programme.
+#[derive(Clone, Debug)]
+pub(super) struct Eroded {
+    pub erosion: Erosion,
+    pub lattices: Lattices,
+    /// What is eroded: the graph of the node's subtree, with the value that stands in this graph too.
+    pub terrain: Arc<Graph>,
+    pub of: Id,
+}
+
 /// An axis of the programme's plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Axis {
@@ -85,15 +95,20 @@ pub(super) enum Step {
     Select(Id, Id, Id),
     Terrace(Terrace, Id),
     TerraceSlope(Terrace, Id),
+    /// The erosion of that number of the value.
+    Erosion(usize, Id, PlaceId),
 }
 
 impl Step {
     /// The place, if the step has one.
     pub(super) fn place(self) -> Option<PlaceId> {
         match self {
-            Step::Coordinate(_, place) | Step::Shape(_, place) | Step::ShapeSlope(_, _, place) | Step::Noise(_, place) | Step::NoiseSlope(_, _, place) => {
-                Some(place)
-            }
+            Step::Coordinate(_, place)
+            | Step::Shape(_, place)
+            | Step::ShapeSlope(_, _, place)
+            | Step::Noise(_, place)
+            | Step::NoiseSlope(_, _, place)
+            | Step::Erosion(_, _, place) => Some(place),
             _ => None,
         }
     }
@@ -101,7 +116,7 @@ impl Step {
     /// The steps that it takes its values from, places apart.
     pub(super) fn operands(self) -> impl Iterator<Item = Id> {
         let all = match self {
-            Step::Unary(_, a) | Step::Terrace(_, a) | Step::TerraceSlope(_, a) => [Some(a), None, None],
+            Step::Unary(_, a) | Step::Terrace(_, a) | Step::TerraceSlope(_, a) | Step::Erosion(_, a, _) => [Some(a), None, None],
             Step::Binary(_, a, b) => [Some(a), Some(b), None],
             Step::Select(a, b, c) => [Some(a), Some(b), Some(c)],
             _ => [None; 3],
@@ -111,12 +126,13 @@ impl Step {
 }
 
 /// The steps of a programme, in an order in which operands come first.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Graph {
     pub steps: Vec<Step>,
     pub places: Vec<Place>,
     pub noises: Vec<Noise>,
     pub shapes: Vec<Shape>,
+    pub erosions: Vec<Eroded>,
     pub root: Id,
 }
 
@@ -167,13 +183,14 @@ pub(super) struct Builder {
     steps: HashMap<Step, Id>,
     places: HashMap<Place, PlaceId>,
     simplify: bool,
+    /// Steps of the graphs that are eroded.
+    kept: usize,
     too_large: bool,
 }
 
 impl Builder {
     pub(super) fn new(simplify: bool) -> Self {
-        let graph = Graph { steps: Vec::new(), places: Vec::new(), noises: Vec::new(), shapes: Vec::new(), root: 0 };
-        let mut builder = Self { graph, steps: HashMap::new(), places: HashMap::new(), simplify, too_large: false };
+        let mut builder = Self { graph: Graph::default(), steps: HashMap::new(), places: HashMap::new(), simplify, kept: 0, too_large: false };
         builder.grid(0.0, 0.0);
         builder
     }
@@ -247,6 +264,20 @@ impl Builder {
             self.graph.shapes.push(shape);
             self.graph.shapes.len() - 1
         })
+    }
+
+    pub(super) fn erode(&mut self, erosion: Erosion, lattices: Lattices, of: Id) -> Id {
+        let same = |other: &Eroded| other.erosion == erosion && other.lattices == lattices && other.of == of;
+        let found = self.graph.erosions.iter().position(same);
+        let erosion = found.unwrap_or_else(|| {
+            self.kept += self.graph.steps.len();
+            self.too_large |= self.kept > MAX_STEPS;
+            let terrain = if self.too_large { Graph::default() } else { Graph { root: of, ..self.graph.clone() } };
+            let terrain = Arc::new(terrain);
+            self.graph.erosions.push(Eroded { erosion, lattices, terrain, of });
+            self.graph.erosions.len() - 1
+        });
+        self.push(Step::Erosion(erosion, of, HERE))
     }
 
     pub(super) fn number(&mut self, number: f32) -> Id {

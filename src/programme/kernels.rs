@@ -14,7 +14,7 @@ pub(super) enum Input<'a> {
     Samples(&'a [f32]),
 }
 
-/// The value of a step at a point, from the values of its operands: the meaning that the blocks are held to. Noises are found elsewhere.
+/// The value of a step at a point, from the values of its operands: the meaning that the blocks are held to. Erosion is found elsewhere.
 pub(super) fn value(step: Step, [a, b, c]: [f32; 3], [u, v]: [f64; 2], prepared: &Prepared) -> f32 {
     match step {
         Step::Number(bits) => f32::from_bits(bits),
@@ -24,6 +24,7 @@ pub(super) fn value(step: Step, [a, b, c]: [f32; 3], [u, v]: [f64; 2], prepared:
         Step::ShapeSlope(shape, axis, _) => prepared.shapes[shape].slope(axis, u, v),
         Step::Noise(noise, _) => prepared.fields[noise].at(u, v),
         Step::NoiseSlope(noise, axis, _) => prepared.fields[noise].slopes_at(u, v)[axis as usize],
+        Step::Erosion(..) => a,
         Step::Unary(operation, _) => operation.apply(a),
         Step::Binary(operation, ..) => operation.apply(a, b),
         Step::Select(..) => chosen(a, b, c),

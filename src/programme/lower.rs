@@ -8,7 +8,7 @@ use super::{
     shape::{Direction, Shape},
     terrace::Terrace,
 };
-use crate::noise::FieldShape;
+use crate::noise::{Erosion, FieldShape};
 
 impl Graph {
     /// The programme as it was written.
@@ -56,10 +56,15 @@ impl Lowering {
             let noise = builder.noise(Noise { shape, basis, lattices, part: 0 });
             return builder.push(Step::Noise(noise, HERE));
         }
-        if let Some(lattices) = own {
-            return distorted_noise(builder, node, lattices);
-        }
         let p = &node.value.parameters;
+        match (own, &children[..]) {
+            (Some(lattices), &[h]) => {
+                let erosion = Erosion { strength: p[0], scale: p[1], octaves: p[2], depth: p[3] };
+                return builder.erode(erosion, lattices, h);
+            }
+            (Some(lattices), _) => return distorted_noise(builder, node, lattices),
+            _ => {}
+        }
         match (node.operation, &children[..]) {
             (Operation::X, _) => builder.push(Step::Coordinate(Axis::U, HERE)),
             (Operation::Y, _) => builder.push(Step::Coordinate(Axis::V, HERE)),

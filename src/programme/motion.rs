@@ -28,6 +28,7 @@ impl Builder {
                 Step::ShapeSlope(shape, axis, place) => Step::ShapeSlope(shape, axis, self.relocate_place(place, motion, &steps, &mut places)),
                 Step::Noise(noise, place) => Step::Noise(noise, self.relocate_place(place, motion, &steps, &mut places)),
                 Step::NoiseSlope(noise, axis, place) => Step::NoiseSlope(noise, axis, self.relocate_place(place, motion, &steps, &mut places)),
+                Step::Erosion(erosion, of, place) => Step::Erosion(erosion, at(of), self.relocate_place(place, motion, &steps, &mut places)),
                 Step::Unary(operation, a) => Step::Unary(operation, at(a)),
                 Step::Binary(operation, a, b) => Step::Binary(operation, at(a), at(b)),
                 Step::Select(mask, a, b) => Step::Select(at(mask), at(a), at(b)),

@@ -152,6 +152,8 @@ pub enum Operation {
     Slope,
     /// Mean over a disc.
     Smooth,
+    /// Valleys cut into a terrain.
+    Erosion,
     /// Blender's gradient noise.
     BlenderNoise,
     /// Perlin's noise of 1985.
@@ -285,7 +287,7 @@ const fn binary(name: &'static str, operation: Binary) -> Signature {
 }
 
 /// Every operation but constants, which are written as bare numbers.
-static SIGNATURES: [Signature; 50] = [
+static SIGNATURES: [Signature; 51] = [
     leaf("x", Operation::X),
     leaf("y", Operation::Y),
     shape("gauss", Operation::Gauss, &[Parameter::required("width", 1e-6, 1e6), CENTRE_X, CENTRE_Y, REPEAT], &[]),
@@ -328,6 +330,20 @@ static SIGNATURES: [Signature; 50] = [
     function("gradient_y", Operation::GradientY, &["h"], &[]),
     function("slope", Operation::Slope, &["h"], &[]),
     function("smooth", Operation::Smooth, &["h"], &[Parameter::required("r", 1e-6, 1e6)]),
+    Signature {
+        noise: true,
+        ..function(
+            "erosion",
+            Operation::Erosion,
+            &["h"],
+            &[
+                Parameter::optional("strength", 0.0, 1.0, 1.0),
+                Parameter::optional("scale", 1e-6, 1e6, 0.4),
+                Parameter::optional("octaves", 1.0, 5.0, 3.0),
+                Parameter::optional("depth", 0.0, 0.9, 0.7),
+            ],
+        )
+    },
     noise("fbm", Operation::Fbm, &[H, LACUNARITY, OCTAVES], &[BASES]),
     noise("multifractal", Operation::Multifractal, &[H, LACUNARITY, OCTAVES], &[BASES]),
     noise("hetero_terrain", Operation::HeteroTerrain, &[H, LACUNARITY, OCTAVES, OFFSET], &[BASES]),

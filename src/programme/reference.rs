@@ -3,11 +3,15 @@
 use super::{
     Frame,
     evaluate::{Prepared, offsets},
-    graph::{Graph, HERE, Id, Place, PlaceId},
+    graph::{Eroded, Graph, HERE, Id, Place, PlaceId, Step},
     kernels,
     node::Node,
 };
-use crate::geometry::Filter;
+use crate::{
+    geometry::Filter,
+    noise::{Isa, Terrain, Valleys},
+};
+use std::cell::RefCell;
 
 /// A programme as it is held against [`super::Tape`]: step by step as it was written, without simplification, one point at a time.
 pub struct Reference {
@@ -16,6 +20,15 @@ pub struct Reference {
     frame: Frame,
     prepared: Prepared,
     spacing: f64,
+    erosions: Vec<RefCell<(Valleys, Reference)>>,
+}
+
+impl Terrain for Reference {
+    fn heights(&mut self, us: &[f64], vs: &[f64], out: &mut [f32]) {
+        for (out, (&u, &v)) in out.iter_mut().zip(us.iter().zip(vs)) {
+            *out = self.value([u, v]);
+        }
+    }
 }
 
 impl Reference {
@@ -29,7 +42,18 @@ impl Reference {
         let (graph, simplified) = plain(root).expect("a programme's size was checked when it was parsed");
         let mut prepared = Prepared::new(&graph, frame, spacing, filter);
         prepared.subsamples = Prepared::new(&simplified, frame, spacing, filter).subsamples;
-        Self { order: graph.reachable(graph.root), graph, frame: *frame, prepared, spacing }
+        Self::prepared(graph, frame, prepared, spacing)
+    }
+
+    fn prepared(graph: Graph, frame: &Frame, prepared: Prepared, spacing: f64) -> Self {
+        let eroding = |eroded: &Eroded| {
+            let valleys = Valleys::new(Isa::Baseline, &eroded.erosion, eroded.lattices.key(frame.seed), prepared.spacing);
+            let terrain = Graph::clone(&eroded.terrain);
+            let exact = Prepared::new(&terrain, frame, 1.0, Filter::Exact);
+            RefCell::new((valleys, Self::prepared(terrain, frame, exact, 1.0)))
+        };
+        let erosions = graph.erosions.iter().map(eroding).collect();
+        Self { order: graph.reachable(graph.root), graph, frame: *frame, prepared, spacing, erosions }
     }
 
     /// The value at plane coordinates (x, y).
@@ -49,7 +73,10 @@ impl Reference {
     }
 
     fn sample(&self, x: f64, y: f64) -> f32 {
-        let here = [(x - self.frame.origin[0]) / self.frame.scale, (y - self.frame.origin[1]) / self.frame.scale];
+        self.value([(x - self.frame.origin[0]) / self.frame.scale, (y - self.frame.origin[1]) / self.frame.scale])
+    }
+
+    fn value(&self, here: [f64; 2]) -> f32 {
         let mut values = vec![0.0_f32; self.graph.steps.len()];
         for &id in &self.order {
             let step = self.graph.steps[id];
@@ -58,7 +85,11 @@ impl Reference {
             for (value, operand) in operands.iter_mut().zip(step.operands()) {
                 *value = values[operand];
             }
-            let value = kernels::value(step, operands, at, &self.prepared);
+            let mut value = kernels::value(step, operands, at, &self.prepared);
+            if let Step::Erosion(erosion, ..) = step {
+                let (valleys, terrain) = &mut *self.erosions[erosion].borrow_mut();
+                valleys.carve(terrain, &at[..1], &at[1..], std::slice::from_mut(&mut value));
+            }
             values[id] = if value.is_finite() { value } else { 0.0 };
         }
         values[self.graph.root]

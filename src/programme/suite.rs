@@ -126,6 +126,21 @@ fn what_looks_at_other_places() {
 }
 
 #[test]
+fn valleys() {
+    for text in [
+        "erosion(fbm(1, 2, 5))",
+        "plus(erosion(ridged_multifractal(1, 2, 3, 1, 2), octaves=1.5, scale=2, strength=0.7), x)",
+        "slope(erosion(o_perlin, octaves=2))",
+        "warp(erosion(plus(x, i_perlin), octaves=2, scale=0.1), o_perlin, 3)",
+        "erosion(erosion(o_perlin, octaves=1, scale=3), octaves=1, scale=1)",
+        "erosion(3)",
+        "erosion(voronoi_f1, scale=1e-6)",
+    ] {
+        check(text);
+    }
+}
+
+#[test]
 fn what_is_not_finite_is_zero_and_counted_at_its_step() {
     let tape = Tape::compile(Programme::parse("plus(1, multiply(multiply(1e30, 1e30), x))").expect("valid").root());
     let window = Window::area([0.0, 0.0, 10.0, 10.0], 1.0, Filter::Exact, 1_000).expect("valid");

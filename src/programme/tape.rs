@@ -1,7 +1,7 @@
 //! A programme as lists of instructions: what is done once a window, once a column, once a row and once a sample.
 
 use super::{
-    Frame,
+    Frame, bounds,
     evaluate::Evaluation,
     graph::{Axis, Graph, Id, Place, PlaceId, Step, TooLarge},
     node::Node,
@@ -61,6 +61,8 @@ pub(super) enum Instruction {
     Noise { to: usize, noise: usize, at: usize },
     /// Both derivatives of a noise.
     Slopes { to: [usize; 2], noise: usize, at: Points },
+    /// Valleys cut into a value.
+    Erosion { to: usize, erosion: usize, of: Slot, at: Points },
     /// A step whose value follows from its place and its operands.
     Step { to: Slot, step: Step, at: Option<Points>, operands: [Slot; 3] },
 }
@@ -94,6 +96,8 @@ pub struct Tape {
     pub(super) register_count: usize,
     pub(super) position_count: usize,
     pub(super) root: Slot,
+    /// What is eroded, for positions that are given.
+    pub(super) terrains: Vec<Tape>,
 }
 
 impl Tape {
@@ -107,7 +111,13 @@ impl Tape {
     }
 
     pub(super) fn try_compile(root: &Node) -> Result<Self, TooLarge> {
-        Ok(Compiler::new(Graph::simplified(root)?).compile())
+        Ok(Compiler::new(Graph::simplified(root)?, Samples::Lattice).compile())
+    }
+
+    /// The least and the greatest value that any sample can have, by interval arithmetic over the exact programme; the values of what is filtered lie within it.
+    #[must_use]
+    pub fn range(&self) -> [f64; 2] {
+        bounds::ranges(&self.graph, &bounds::fields(&self.graph, 0, 0.0))[self.graph.root]
     }
 
     /// Evaluates a window into `out`, row by row from north to south; answers how many results were not finite and became 0.
@@ -128,7 +138,17 @@ impl Tape {
     }
 }
 
+/// Where a tape's samples lie.
+#[derive(Clone, Copy, PartialEq)]
+enum Samples {
+    /// On a lattice of rows and columns.
+    Lattice,
+    /// At positions that are given, number 0 of the block's positions.
+    Anywhere,
+}
+
 struct Compiler {
+    samples: Samples,
     tape: Tape,
     order: Vec<Id>,
     classes: Vec<Class>,
@@ -142,7 +162,8 @@ struct Compiler {
 }
 
 impl Compiler {
-    fn new(graph: Graph) -> Self {
+    fn new(graph: Graph, samples: Samples) -> Self {
+        let terrains = graph.erosions.iter().map(|eroded| Compiler::new(Graph::clone(&eroded.terrain), Samples::Anywhere).compile()).collect();
         let order = graph.reachable(graph.root);
         let (steps, places) = (graph.steps.len(), graph.places.len());
         let tape = Tape {
@@ -155,13 +176,14 @@ impl Compiler {
             scalar_count: 0,
             column_count: 0,
             register_count: 0,
-            position_count: 0,
+            position_count: usize::from(samples == Samples::Anywhere),
+            terrains,
             root: Slot::Scalar(0),
             graph,
         };
         let slopes = order.iter().map(|&id| (tape.graph.steps[id], id)).filter(|(step, _)| matches!(step, Step::NoiseSlope(..))).collect();
         let (classes, slots, last_use) = (vec![Class::Number; steps], vec![None; steps], vec![0; steps]);
-        Self { tape, order, classes, slots, last_use, free: Vec::new(), places: vec![None; places], slopes }
+        Self { samples, tape, order, classes, slots, last_use, free: Vec::new(), places: vec![None; places], slopes }
     }
 
     fn compile(mut self) -> Tape {
@@ -186,7 +208,7 @@ impl Compiler {
 
     fn class(&self, id: Id) -> Class {
         let graph = &self.tape.graph;
-        let on_grid = |place: PlaceId| matches!(graph.places[place], Place::Grid { .. });
+        let on_grid = |place: PlaceId| self.samples == Samples::Lattice && matches!(graph.places[place], Place::Grid { .. });
         let along = |axis: Option<Axis>| match axis {
             Some(Axis::U) => Class::Column,
             Some(Axis::V) => Class::Row,
@@ -239,6 +261,10 @@ impl Compiler {
             (Step::Noise(noise, _), Some(Points::Anywhere(at))) => {
                 let to = self.register();
                 self.keep(id, to, Instruction::Noise { to, noise, at });
+            }
+            (Step::Erosion(erosion, of, _), Some(at)) => {
+                let (to, of) = (self.register(), self.slot(of));
+                self.keep(id, to, Instruction::Erosion { to, erosion, of, at });
             }
             (Step::NoiseSlope(noise, axis, place), Some(at)) => self.slopes(id, noise, axis, place, at),
             _ => self.plain_step(id, step, at),
@@ -303,6 +329,10 @@ impl Compiler {
             return points;
         }
         let points = match self.tape.graph.places[place] {
+            Place::Grid { du, dv } if self.samples == Samples::Anywhere => {
+                let by = [du.get(), dv.get()];
+                if by == [0.0; 2] { Points::Anywhere(0) } else { self.position(|to| Instruction::Shift { to, base: Points::Anywhere(0), by }) }
+            }
             Place::Grid { du, dv } => {
                 self.tape.grids.push([du.get(), dv.get()]);
                 Points::Grid(self.tape.grids.len() - 1)

@@ -2,11 +2,15 @@
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test says what is wrong by failing")]
 
 mod client;
+mod corpus;
+mod costs;
 mod determinism;
 mod encoding;
 mod golden;
+mod grow;
 mod http;
 mod openapi;
 mod program;
+mod properties;
 mod tidy;
 mod writes;

@@ -1,0 +1,423 @@
+//! Nested networks of valleys cut into a terrain: an erosion that is evaluated at a point.
+//!
+//! As in E. Gaillard et al., "Dendry: a procedural model for dendritic patterns" (2019), every cell of a lattice has a jittered node, every node is linked to a
+//! lower one, and the links carve valleys; finer lattices follow the terrain that the coarser ones have carved. Here a link goes where the drop over the distance
+//! squared is greatest, a node that is lowest among its neighbours looks further, and valleys are cut as deep as the network around them is steep.
+//!
+//! Lengths are measured in pitches (the side of a lattice's cell), so that far from the origin nothing is lost: only the heights of nodes need their positions.
+
+use super::{Isa, Kernel, field::carried, hash};
+use std::collections::HashMap;
+
+/// Heights of a terrain anywhere.
+pub trait Terrain {
+    /// Writes the heights at programme coordinates.
+    fn heights(&mut self, us: &[f64], vs: &[f64], out: &mut [f32]);
+}
+
+/// How a terrain is eroded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Erosion {
+    /// What is kept of the difference, 0 … 1.
+    pub strength: f64,
+    /// Pitch of the coarsest lattice in programme units.
+    pub scale: f64,
+    /// Lattices, 1 … 5, each finer by √10. A fraction counts for the last.
+    pub octaves: f64,
+    /// How deep valleys are cut for their slope, 0 … 0.9.
+    pub depth: f64,
+}
+
+impl Erosion {
+    /// The pitch of a lattice and how deep its valleys are cut.
+    fn level(&self, number: usize) -> (f64, f64) {
+        (self.scale / RATIO.powi(number as i32), self.depth * CUTS[number])
+    }
+
+    fn count(&self) -> usize {
+        (self.octaves.ceil() as usize).clamp(1, MAX_LEVELS)
+    }
+
+    /// The pitch of every lattice in programme units, and how many heights each of its nodes asks for.
+    pub fn pitches(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        (0..self.count()).map(|number| (self.level(number).0, if number == 0 { CANDIDATES as f64 } else { 1.0 }))
+    }
+
+    /// How far the eroded terrain can lie below the least height of the terrain, as a part of its range.
+    ///
+    /// A link is at least 1 - 2 [`JITTER`] long, so that the slope of a network is at most the range over that.
+    #[must_use]
+    pub fn greatest_cut(&self) -> f64 {
+        let range = (0..self.count()).fold(1.0, |range, number| range * (1.0 + 2.0 * self.level(number).1 / f64::from(1.0 - 2.0 * JITTER)));
+        range - 1.0
+    }
+
+    /// A bound on the slopes that are added to those of the terrain, for a range of 1.
+    #[must_use]
+    pub fn greatest_slope(&self) -> f64 {
+        // From a valley's rim to its bed, bent, at the pitch of each lattice.
+        (0..self.count()).map(|number| 8.0 / (f64::from(HALF_WIDTH) * self.level(number).0)).sum()
+    }
+}
+
+/// Most lattices.
+const MAX_LEVELS: usize = 5;
+
+/// Ratio of the pitches of neighbouring lattices.
+const RATIO: f64 = 3.162_277_660_168_379_5;
+
+/// Incision of each lattice's valleys.
+const CUTS: [f64; MAX_LEVELS] = [0.2, 0.55, 1.0, 0.7, 0.5];
+
+/// Trial positions of a node of the coarsest lattice; it takes the lowest. Others have one.
+const CANDIDATES: usize = 4;
+
+/// Cells that a link of the coarsest lattice may span. Others span one.
+const REACH: i64 = 4;
+
+/// A node lies within this distance of its cell's middle, along both axes.
+const JITTER: f32 = 0.35;
+
+/// A link bows out by at most this.
+const BEND: f32 = 0.15;
+
+/// Half the width of a valley. The nearest link that is not looked at is 1 - [`JITTER`] - [`BEND`] away.
+const HALF_WIDTH: f32 = 0.5;
+
+/// Square of the radius over which slopes are averaged.
+const KERNEL: f32 = 2.25;
+
+/// What a lattice's valleys lower the terrain by on average, for an incision of 1 at slope 1; measured.
+const MEAN_CUT: f32 = 0.33;
+
+/// A terrain with its valleys. Nodes once found are kept, in bounded numbers; what is kept changes no value.
+pub struct Valleys {
+    isa: Isa,
+    strength: f32,
+    levels: Vec<Level>,
+    /// How far each level is carved for the samples, and what is left of the levels that are not.
+    parts: Vec<f32>,
+    faded: f32,
+    scratch: Vec<f32>,
+}
+
+impl Valleys {
+    /// Valleys for samples `spacing` programme units apart: lattices whose pitch is below four spacings fade, to be gone at two. 0 keeps them all.
+    #[must_use]
+    pub fn new(isa: Isa, erosion: &Erosion, key: u64, spacing: f64) -> Self {
+        let (mut levels, mut parts, mut faded) = (Vec::<Level>::new(), Vec::new(), 0.0);
+        for number in 0..erosion.count() {
+            let (pitch, cut) = erosion.level(number);
+            let part = (erosion.octaves - number as f64).clamp(0.0, 1.0);
+            let carried = if spacing > 0.0 { carried(pitch, spacing) } else { 1.0 };
+            if carried > 0.0 {
+                levels.push(Level::new(key, number, pitch, cut as f32, part as f32));
+                parts.push(carried as f32);
+            }
+            if let Some(finest) = levels.last() {
+                faded += f64::from(MEAN_CUT) * (1.0 - carried) * part * cut * (pitch / finest.pitch);
+            }
+        }
+        Self { isa, strength: erosion.strength as f32, levels, parts, faded: faded as f32, scratch: Vec::new() }
+    }
+
+    /// Turns the heights of the terrain at programme coordinates into eroded ones. `terrain` gives the terrain as it is, unfiltered: the network must not change with
+    /// the samples.
+    pub fn carve(&mut self, terrain: &mut impl Terrain, us: &[f64], vs: &[f64], heights: &mut [f32]) {
+        self.scratch.clear();
+        self.scratch.extend_from_slice(heights);
+        for number in 0..self.levels.len() {
+            let faded = if number + 1 == self.levels.len() { self.faded } else { 0.0 };
+            carve(self.isa, &mut self.levels[..=number], terrain, us, vs, heights, [self.parts[number], faded]);
+        }
+        for (height, &before) in heights.iter_mut().zip(&self.scratch) {
+            *height = before + self.strength * (*height - before);
+        }
+    }
+}
+
+/// The lowest place of a cell: relative to the cell's south-west corner, and its height.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Site {
+    x: f32,
+    y: f32,
+    z: f32,
+}
+
+/// A valley from a node to a lower one, relative to the corner of the cells around it.
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    from: Site,
+    to: [f32; 3],
+    inverse_square: f32,
+    bend: f32,
+}
+
+/// What the samples around a corner of cells look at.
+struct Around {
+    /// Place and slope of the 4 × 4 nodes.
+    nodes: [[f32; 3]; 16],
+    links: Vec<Link>,
+}
+
+/// Cells a side of what is found at a time.
+const PAGE: i64 = 8;
+
+/// Most pages and corners that a level keeps.
+const KEPT: usize = 4_096;
+
+struct Level {
+    pitch: f64,
+    cut: f32,
+    /// What counts of the level where it is carved whole.
+    part: f32,
+    reach: i64,
+    candidates: usize,
+    seeds: [u32; CANDIDATES + 1],
+    pages: HashMap<[i64; 2], Vec<Site>>,
+    corners: HashMap<[i64; 2], Around>,
+}
+
+impl Level {
+    fn new(key: u64, number: usize, pitch: f64, cut: f32, part: f32) -> Self {
+        let (candidates, reach) = if number == 0 { (CANDIDATES, REACH) } else { (1, 1) };
+        let seeds = core::array::from_fn(|channel| hash::key(hash::key(key, number as u64), channel as u64) as u32);
+        Self { pitch, cut, part, reach, candidates, seeds, pages: HashMap::new(), corners: HashMap::new() }
+    }
+
+    /// A place within a cell, from the middle half and a little more.
+    fn place(&self, [i, j]: [i64; 2], candidate: usize) -> [f32; 2] {
+        let bits = hash::corner(hash::column_key(i), hash::row_key(j, self.seeds[candidate]));
+        let at = |bits: u32| 0.5 + JITTER * ((bits as f32 + 0.5) / 32_768.0 - 1.0);
+        [at(bits & 0xffff), at(bits >> 16)]
+    }
+
+    /// In [-1, 1].
+    fn turn(&self, [i, j]: [i64; 2]) -> f32 {
+        let bits = hash::corner(hash::column_key(i), hash::row_key(j, self.seeds[CANDIDATES]));
+        ((bits >> 16) as f32 + 0.5) / 32_768.0 - 1.0
+    }
+
+    /// The corner of cells nearest to a coordinate, and the coordinate relative to it, in pitches.
+    #[inline(always)]
+    fn locate(pitch: f64, coordinate: f64) -> (i64, f32) {
+        let at = coordinate / pitch;
+        // Beyond 2^52 cells cannot be told apart; the clamp keeps their neighbours' numbers from overflowing.
+        let corner = (at + 0.5).floor().clamp(-4.5e15, 4.5e15);
+        (corner as i64, (at - corner).clamp(-0.5, 0.5) as f32)
+    }
+}
+
+/// Carves the last of the levels into heights that have the others already: by how much of it, and by what follows from its slopes for levels that are left out.
+fn carve(isa: Isa, levels: &mut [Level], terrain: &mut impl Terrain, us: &[f64], vs: &[f64], heights: &mut [f32], [part, faded]: [f32; 2]) {
+    let Some((level, coarser)) = levels.split_last_mut() else { return };
+    let mut locals = [[0.0_f32; CHUNK]; 2];
+    let mut start = 0;
+    while start < us.len() {
+        let (i, x) = Level::locate(level.pitch, us[start]);
+        let (j, y) = Level::locate(level.pitch, vs[start]);
+        let mut count = 0;
+        (locals[0][0], locals[1][0]) = (x, y);
+        // Neighbouring samples mostly share their corner.
+        loop {
+            count += 1;
+            if count == CHUNK || start + count == us.len() {
+                break;
+            }
+            let (next_i, x) = Level::locate(level.pitch, us[start + count]);
+            let (next_j, y) = Level::locate(level.pitch, vs[start + count]);
+            if [next_i, next_j] != [i, j] {
+                break;
+            }
+            (locals[0][count], locals[1][count]) = (x, y);
+        }
+        if level.corners.len() > KEPT {
+            level.corners.clear();
+        }
+        if !level.corners.contains_key(&[i, j]) {
+            let around = find_around(isa, level, coarser, terrain, [i, j]);
+            level.corners.insert([i, j], around);
+        }
+        let (cut, part) = (level.cut, part * level.part);
+        let run = Carve {
+            around: &level.corners[&[i, j]],
+            xs: &locals[0][..count],
+            ys: &locals[1][..count],
+            heights: &mut heights[start..start + count],
+            cut,
+            part,
+            faded,
+        };
+        isa.run(run);
+        start += count;
+    }
+}
+
+/// The heights of the terrain with all of these levels carved.
+fn heights(isa: Isa, levels: &mut [Level], terrain: &mut impl Terrain, us: &[f64], vs: &[f64], out: &mut [f32]) {
+    terrain.heights(us, vs, out);
+    for number in 0..levels.len() {
+        carve(isa, &mut levels[..=number], terrain, us, vs, out, [1.0, 0.0]);
+    }
+}
+
+/// The sites of a page of cells.
+fn find_page(isa: Isa, level: &Level, coarser: &mut [Level], terrain: &mut impl Terrain, page: [i64; 2]) -> Vec<Site> {
+    let mut sites = Vec::with_capacity((PAGE * PAGE) as usize);
+    let (mut us, mut vs, mut places) = (Vec::new(), Vec::new(), Vec::new());
+    for cell in 0..PAGE * PAGE {
+        let cell = [page[0] * PAGE + cell % PAGE, page[1] * PAGE + cell / PAGE];
+        for candidate in 0..level.candidates {
+            let [x, y] = level.place(cell, candidate);
+            us.push((cell[0] as f64 + f64::from(x)) * level.pitch);
+            vs.push((cell[1] as f64 + f64::from(y)) * level.pitch);
+            places.push([x, y]);
+        }
+    }
+    let mut zs = vec![0.0; us.len()];
+    heights(isa, coarser, terrain, &us, &vs, &mut zs);
+    for (places, zs) in places.chunks(level.candidates).zip(zs.chunks(level.candidates)) {
+        let all = places.iter().zip(zs).map(|(&[x, y], &z)| Site { x, y, z });
+        // Of equals the first.
+        sites.extend(all.reduce(|lowest, other| if other.z < lowest.z { other } else { lowest }));
+    }
+    sites
+}
+
+/// Everything that samples nearest to a corner of cells look at.
+fn find_around(isa: Isa, level: &mut Level, coarser: &mut [Level], terrain: &mut impl Terrain, [i, j]: [i64; 2]) -> Around {
+    // Links from up to `reach` - 1 rings around the 4 × 4 cells, and what those may lead to.
+    let half = 1 + 2 * level.reach;
+    let side = 2 * half;
+    let mut sites = vec![Site::default(); (side * side) as usize];
+    for (number, site) in sites.iter_mut().enumerate() {
+        let cell = [i - half + number as i64 % side, j - half + number as i64 / side];
+        let page = cell.map(|c| c.div_euclid(PAGE));
+        if !level.pages.contains_key(&page) {
+            if level.pages.len() > KEPT {
+                level.pages.clear();
+            }
+            let found = find_page(isa, level, coarser, terrain, page);
+            level.pages.insert(page, found);
+        }
+        let Site { x, y, z } = level.pages[&page][(cell[1].rem_euclid(PAGE) * PAGE + cell[0].rem_euclid(PAGE)) as usize];
+        *site = Site { x: (cell[0] - i) as f32 + x, y: (cell[1] - j) as f32 + y, z };
+    }
+    let at = |a: i64, b: i64| sites[((b + half) * side + a + half) as usize];
+    let (mut nodes, mut links) = ([[0.0; 3]; 16], Vec::new());
+    for b in -1 - level.reach..=level.reach {
+        for a in -1 - level.reach..=level.reach {
+            let site = at(a, b);
+            let found = find_link(&at, level.reach, [a, b]);
+            let rings = [-2 - a, a - 1, -2 - b, b - 1].into_iter().max().unwrap_or(0).max(0);
+            let mut slope = 0.0;
+            if let Some((span, target)) = found {
+                let to = [target.x - site.x, target.y - site.y, target.z - site.z];
+                let square = to[0] * to[0] + to[1] * to[1];
+                let length = square.sqrt();
+                slope = -to[2] / length;
+                if span > rings {
+                    let bend = 4.0 * BEND * level.turn([i + a, j + b]) / length;
+                    links.push(Link { from: site, to, inverse_square: 1.0 / square, bend });
+                }
+            }
+            if rings == 0 {
+                nodes[((b + 2) * 4 + a + 2) as usize] = [site.x, site.y, slope];
+            }
+        }
+    }
+    links.retain(is_near);
+    Around { nodes, links }
+}
+
+/// Whether a valley can reach a sample within half a pitch of the corner: by the box around its link.
+fn is_near(link: &Link) -> bool {
+    let away = |from: f32, to: f32| {
+        let (low, high) = (from.min(from + to) - BEND, from.max(from + to) + BEND);
+        low > 0.5 + HALF_WIDTH || high < -0.5 - HALF_WIDTH
+    };
+    !away(link.from.x, link.to[0]) && !away(link.from.y, link.to[1])
+}
+
+/// Where a node's valley leads and how many cells it spans: the neighbour with the greatest drop over distance squared, else the nearest lower node of the first ring
+/// that has one.
+fn find_link(at: &impl Fn(i64, i64) -> Site, reach: i64, [a, b]: [i64; 2]) -> Option<(i64, Site)> {
+    let from = at(a, b);
+    for span in 1..=reach {
+        let (mut best, mut found) = (0.0, None);
+        for d in -span..=span {
+            for c in -span..=span {
+                let to = at(a + c, b + d);
+                let square = (to.x - from.x) * (to.x - from.x) + (to.y - from.y) * (to.y - from.y);
+                let drop = from.z - to.z;
+                let score = if drop > 0.0 { if span == 1 { drop / square } else { 1.0 / square } } else { 0.0 };
+                if score > best {
+                    (best, found) = (score, Some((span, to)));
+                }
+            }
+        }
+        if found.is_some() {
+            return found;
+        }
+    }
+    None
+}
+
+/// Samples that are carved at a time.
+const CHUNK: usize = 256;
+
+/// Carves samples around one corner.
+struct Carve<'a> {
+    around: &'a Around,
+    xs: &'a [f32],
+    ys: &'a [f32],
+    heights: &'a mut [f32],
+    cut: f32,
+    part: f32,
+    faded: f32,
+}
+
+impl Kernel for Carve<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { around, xs, ys, heights, cut, part, faded } = self;
+        let (mut slopes, mut weights, mut lowest) = ([0.0_f32; CHUNK], [0.0_f32; CHUNK], [0.0_f32; CHUNK]);
+        for &[node_x, node_y, slope] in &around.nodes {
+            for ((sum, weight), (&x, &y)) in slopes.iter_mut().zip(&mut weights).zip(xs.iter().zip(ys)) {
+                let (dx, dy) = (x - node_x, y - node_y);
+                let near = at_least_0(1.0 - (dx * dx + dy * dy) * (1.0 / KERNEL));
+                let w = near * near;
+                *sum += w * slope;
+                *weight += w;
+            }
+        }
+        for ((slope, weight), (low, &height)) in slopes.iter_mut().zip(&weights).zip(lowest.iter_mut().zip(&*heights)) {
+            *slope /= weight;
+            *low = height;
+        }
+        for link in &around.links {
+            let Link { from, to: [ex, ey, ez], inverse_square, bend } = *link;
+            for (((low, &height), &slope), (&x, &y)) in lowest.iter_mut().zip(&*heights).zip(&slopes).zip(xs.iter().zip(ys)) {
+                let (px, py) = (x - from.x, y - from.y);
+                let along = at_least_0((px * ex + py * ey) * inverse_square);
+                let t = if along > 1.0 { 1.0 } else { along };
+                let bow = bend * (t * (1.0 - t));
+                let (dx, dy) = ((px - t * ex) + bow * ey, (py - t * ey) - bow * ex);
+                let weight = at_least_0(1.0 - (dx * dx + dy * dy).sqrt() * (1.0 / HALF_WIDTH));
+                let bed = (from.z + t * ez) - cut * slope;
+                let carved = height - weight * at_least_0(height - bed);
+                *low = if carved < *low { carved } else { *low };
+            }
+        }
+        for ((height, &low), &slope) in heights.iter_mut().zip(&lowest).zip(&slopes) {
+            *height = (*height + part * (low - *height)) - faded * slope;
+        }
+    }
+}
+
+#[inline(always)]
+fn at_least_0(value: f32) -> f32 {
+    if value > 0.0 { value } else { 0.0 }
+}
