@@ -1,9 +1,9 @@
 //! The noises that stand alone and that fractals are made of.
 
 use super::{
-    Feature, Metric,
+    Feature, Isa, Metric,
     cells::Lattice,
-    cellular::{self, DistanceRows, ValueRows},
+    cellular::{self, DistanceRows, Query, ValueRows, Values},
     gradient::{self, GradientRows, Gradients},
 };
 
@@ -42,29 +42,29 @@ impl Basis {
         }
     }
 
-    /// `amplitude` times the noise at a point.
-    pub(super) fn at(self, lattice: &Lattice, amplitude: f32, u: f64, v: f64) -> f32 {
+    /// `amplitude` times the noise at a point; `extent` is the spacing of the samples in cells that edges are made fit for, 0 to leave them sharp.
+    pub(super) fn at(self, lattice: &Lattice, amplitude: f32, extent: f32, u: f64, v: f64) -> f32 {
         if let Some(gradients) = self.gradients() {
             return gradient::at(gradients, lattice, amplitude, u, v);
         }
         let value = match self {
-            Basis::Voronoi { feature, metric } => cellular::feature_at(metric, feature, lattice, u, v),
+            Basis::Voronoi { feature, metric } => cellular::feature_at(metric, feature, lattice, extent, u, v),
             Basis::Blender => gradient::blender_at(lattice, u, v),
-            _ => cellular::value_at(lattice, u, v),
+            _ => Values::new(*lattice, extent).at(u, v),
         };
         amplitude * value
     }
 
-    pub(super) fn rows(self, lattice: Lattice, amplitude: f32, coordinates: &[f64]) -> BasisRows {
+    pub(super) fn rows(self, isa: Isa, lattice: Lattice, amplitude: f32, extent: f32, coordinates: &[f64]) -> BasisRows {
         if let Some(gradients) = self.gradients() {
             return BasisRows::Gradient(GradientRows::new(gradients, lattice, amplitude, coordinates));
         }
         match self {
-            Basis::Voronoi { feature: feature @ (Feature::F1 | Feature::F2), metric } if !matches!(metric, Metric::Minkowski { .. }) => {
-                BasisRows::Distance(DistanceRows::new(metric, feature, lattice, coordinates), amplitude)
+            Basis::Voronoi { feature, metric } => {
+                BasisRows::Distance(DistanceRows::new(Query { isa, metric, feature, lattice, extent }, coordinates), amplitude)
             }
-            Basis::Voronoi { .. } | Basis::Blender => BasisRows::Points { basis: self, lattice, amplitude, columns: coordinates.to_vec(), row: 0.0 },
-            _ => BasisRows::Value(ValueRows::new(lattice, coordinates), amplitude),
+            Basis::Blender => BasisRows::Points { basis: self, lattice, amplitude, columns: coordinates.to_vec(), row: 0.0 },
+            _ => BasisRows::Value(ValueRows::new(isa, Values::new(lattice, extent), coordinates), amplitude),
         }
     }
 }
@@ -109,7 +109,7 @@ impl BasisRows {
             }
             BasisRows::Points { basis, lattice, amplitude, columns, row } => {
                 for (out, &u) in out.iter_mut().zip(&columns[start..]) {
-                    *out = basis.at(lattice, *amplitude, u, *row);
+                    *out = basis.at(lattice, *amplitude, 0.0, u, *row);
                 }
                 return;
             }

@@ -129,6 +129,8 @@ struct Octave {
     weight: f32,
     /// What the spacing carries of a ridged octave.
     carried: f32,
+    /// The spacing in cells that edges are made fit for.
+    extent: f32,
 }
 
 /// How octaves are put together.
@@ -213,16 +215,16 @@ impl Field {
     /// The field as it is.
     #[must_use]
     pub fn exact(shape: FieldShape, basis: Basis, key: u64) -> Self {
-        Self::new(shape, basis, key, |_| 1.0)
+        Self::new(shape, basis, key, 0.0, |_| 1.0)
     }
 
     /// The field as samples `spacing` programme units apart can carry it: octaves with cells below four spacings fade, to be gone at two, to their mean.
     #[must_use]
     pub fn banded(shape: FieldShape, basis: Basis, key: u64, spacing: f64) -> Self {
-        Self::new(shape, basis, key, |frequency| carried(1.0 / frequency, spacing))
+        Self::new(shape, basis, key, spacing, |frequency| carried(1.0 / frequency, spacing))
     }
 
-    fn new(shape: FieldShape, basis: Basis, key: u64, carried: impl Fn(f64) -> f64) -> Self {
+    fn new(shape: FieldShape, basis: Basis, key: u64, spacing: f64, carried: impl Fn(f64) -> f64) -> Self {
         let (count, frequency_ratio, weight_ratio) = shape.progression();
         let moments = basis.moments();
         let (kind, linear_mean) = match shape {
@@ -248,6 +250,8 @@ impl Field {
                     amplitude: amplitude as f32,
                     weight: (weight * part) as f32,
                     carried: kept as f32,
+                    // Only sums: the mean of a square's ridges is not the ridge of its mean.
+                    extent: if linear_mean.is_some() { (spacing * frequency) as f32 } else { 0.0 },
                 });
             }
             frequency *= frequency_ratio;
@@ -263,7 +267,7 @@ impl Field {
             Shape::Sum { hard } => {
                 let mut sum = self.bias;
                 for octave in &self.octaves {
-                    let n = self.basis.at(&octave.lattice, octave.amplitude, u, v);
+                    let n = self.basis.at(&octave.lattice, octave.amplitude, octave.extent, u, v);
                     sum += if hard { n.abs() } else { n };
                 }
                 sum
@@ -271,7 +275,7 @@ impl Field {
             Shape::Ridged(ridge) => {
                 let mut ridged = Ridged { value: 0.0, opening: 1.0 };
                 for octave in &self.octaves {
-                    let n = if octave.carried > 0.0 { self.basis.at(&octave.lattice, 1.0, u, v) } else { 0.0 };
+                    let n = if octave.carried > 0.0 { self.basis.at(&octave.lattice, 1.0, octave.extent, u, v) } else { 0.0 };
                     ridged = if octave.carried >= 1.0 { ridge.add_whole(octave, n, ridged) } else { ridge.add_part(octave, n, ridged) };
                 }
                 ridged.value
@@ -289,7 +293,7 @@ impl Field {
     #[must_use]
     pub fn rows_on(&self, isa: Isa, coordinates: &[f64]) -> Rows {
         let make = |octave: &Octave| {
-            let rows = (octave.carried > 0.0).then(|| self.basis.rows(octave.lattice, octave.amplitude, coordinates));
+            let rows = (octave.carried > 0.0).then(|| self.basis.rows(isa, octave.lattice, octave.amplitude, octave.extent, coordinates));
             (*octave, rows)
         };
         Rows { isa, shape: self.shape, bias: self.bias, octaves: self.octaves.iter().map(make).collect() }

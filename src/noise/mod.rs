@@ -12,6 +12,7 @@ mod gradient;
 mod hash;
 #[expect(unsafe_code, reason = "calling a function compiled for more than the baseline")]
 mod isa;
+mod metric;
 mod moments;
 mod stub;
 mod valleys;
