@@ -6,6 +6,7 @@ mod determinism;
 mod encoding;
 mod golden;
 mod http;
+mod library;
 mod openapi;
 mod program;
 mod tidy;
