@@ -11,7 +11,7 @@ use crate::{
 pub const PREVIEW_FORM: &str = "preview.png 1";
 
 /// Heights are stretched until slopes have this root mean square: what makes a picture of plains and of high mountains alike readable.
-const SLOPE: f64 = 0.62;
+const SLOPE: f64 = 0.55;
 
 /// Least and greatest factor that heights are stretched by.
 const STRETCH: [f64; 2] = [0.2, 40.0];
@@ -32,10 +32,18 @@ pub fn preview(source: &impl Source, window: &Window, sea_level: f64) -> Result<
     let grown = window.with_apron(1);
     let mut surface = Surface::of(&grown);
     source.sample(&grown, &mut surface);
-    let (low, high) = surface.range().unwrap_or_default();
-    let ramp = Ramp::over(sea_level, [low, high].map(f64::from));
+    let ramp = Ramp::over(sea_level, bulk(&surface).map(f64::from));
     let spacing = window.spacing() / stretch(&surface, window.spacing(), sea_level as f32);
     png::colours(window.columns.len(), window.rows.len(), &relief::draw(&surface, spacing, &ramp))
+}
+
+/// Elevations that 0.5 % and 99.5 % of the samples lie below: one needle of rock must not take the colours from all the rest.
+fn bulk(surface: &Surface) -> [f32; 2] {
+    let mut sorted = surface.elevation.clone();
+    sorted.sort_unstable_by(f32::total_cmp);
+    let at = |place: usize| sorted.get(place).copied().unwrap_or_default();
+    let cut = sorted.len() / 200;
+    [at(cut), at(sorted.len().saturating_sub(1 + cut))]
 }
 
 /// The factor that brings the slopes of the land to [`SLOPE`]; of everything, where there is no land.

@@ -38,8 +38,8 @@ const LIGHTS: [(f32, [f32; 3]); 3] = [
 ];
 
 /// What slopes turn to that face away from the light, and how far; likewise those that face it.
-const SHADOW: ([f32; 3], f32) = ([26.0, 28.0, 52.0], 0.92);
-const GLOW: ([f32; 3], f32) = ([255.0, 250.0, 232.0], 0.5);
+const SHADOW: ([f32; 3], f32) = ([28.0, 32.0, 58.0], 0.84);
+const GLOW: ([f32; 3], f32) = ([255.0, 250.0, 232.0], 0.7);
 
 /// How much of the light reaches the floor of the sea.
 const UNDER_WATER: f32 = 0.35;
