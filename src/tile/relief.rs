@@ -13,10 +13,10 @@ const LAND: [(f64, [u8; 3]); 7] = [
     (1.0, [0xf7, 0xf7, 0xf5]),
 ];
 
-/// Metres above the foot where the land's colours end in snow; lower land ends in an earlier colour.
+/// Metres above the sea where the land's colours end in snow; lower land ends in an earlier colour, and high land begins in a later one.
 const SNOW_HEIGHT: f64 = 2_600.0;
 
-/// The part of the land's colours that low land gets at least.
+/// The part of the land's colours that flat land gets at least.
 const LEAST_COLOURS: f64 = 0.45;
 
 /// Colours of the sea, from its deepest place to the shore.
@@ -60,15 +60,17 @@ pub struct Ramp {
 }
 
 impl Ramp {
-    /// Spreads the colours over elevations from `low` to `high`, in metres. Low hills stay green; only land that rises 2,600 m wears snow.
+    /// Spreads the colours over elevations from `low` to `high`, in metres. Low hills stay green, high plains are dry; only land that reaches 2,600 m above the sea
+    /// wears snow.
     #[must_use]
     pub fn over(sea_level: f64, [low, high]: [f64; 2]) -> Self {
         let depth = (sea_level - low).max(LEAST_SPREAD);
         let sea = if low < sea_level { SEA.iter().map(|(at, colour)| (sea_level - depth * (1.0 - at) - SHORE, *colour)).collect() } else { Vec::new() };
         let foot = low.max(sea_level);
         let height = (high - foot).max(LEAST_SPREAD);
-        let used = (height / SNOW_HEIGHT).clamp(LEAST_COLOURS, 1.0);
-        let land = LAND.iter().map(|(at, _)| (foot + height * at, between(&LAND, at * used).map(|c| c.round() as u8))).collect();
+        let first = ((foot - sea_level) / SNOW_HEIGHT).min(1.0 - LEAST_COLOURS);
+        let used = (height / SNOW_HEIGHT).min(1.0 - first).max(LEAST_COLOURS);
+        let land = LAND.iter().map(|(at, _)| (foot + height * at, between(&LAND, first + at * used).map(|c| c.round() as u8))).collect();
         Self { sea_level: sea_level as f32, sea, land }
     }
 
@@ -155,8 +157,12 @@ mod tests {
         assert_eq!(pixel(2_600.0, 0.0, 0.0, &ramp), LAND[6].1);
         assert_eq!(pixel(9_000.0, 0.0, 0.0, &ramp), LAND[6].1);
         assert_eq!(pixel(1_300.0, 0.0, 0.0, &ramp), LAND[3].1);
-        let dry = Ramp::over(0.0, [10.0, 2_610.0]);
-        assert_eq!(pixel(-50.0, 0.0, 0.0, &dry), LAND[0].1, "without a sea there is no blue");
+        let shore = Ramp::over(10.0, [10.0, 2_610.0]);
+        assert_eq!(pixel(-50.0, 0.0, 0.0, &shore), LAND[0].1, "without a sea there is no blue");
+        let high = Ramp::over(0.0, [780.0, 2_600.0]);
+        assert_eq!((pixel(780.0, 0.0, 0.0, &high), pixel(2_600.0, 0.0, 0.0, &high)), (LAND[2].1, LAND[6].1), "high plains are not green");
+        let summit = Ramp::over(0.0, [20_000.0, 20_001.0]);
+        assert!(summit.stops().is_sorted_by(|a, b| a.0 < b.0) && summit.stops().last().is_some_and(|(_, colour)| colour == LAND[6].1));
     }
 
     #[test]
