@@ -149,7 +149,8 @@ test('a programme is saved to the library, found there, and not saved over by ac
     await page.getByRole('button', { name: 'Replace it' }).click();
   });
   await status(page, 'Saved to the library as my-ridges.');
-  assert.equal((await server.get('programmes/my-ridges')).amplitude, 555);
+  const replaced = await server.get('programmes/my-ridges');
+  assert.deepEqual([replaced.amplitude, replaced.tags], [555, ['mountains', 'mine']], 'tags that were not given again stay');
 
   await openGallery(page);
   await page.getByRole('button', { name: 'mine', exact: true }).click();

@@ -34,9 +34,12 @@ function ownErrors(faults: readonly Fault[]): Errors | undefined {
   return faults.length > 0 ? errors : undefined;
 }
 
-async function store(name: string, document: JsonObject, replace: boolean): Promise<void> {
-  if (replace) await replaceProgramme(name, document, (await readProgramme(name)).etag);
-  else await createProgramme(name, document);
+/** Saves over the programme of that name; its description stays, and its tags where no others were given. */
+async function replace(name: string, document: JsonObject, tags: readonly string[]): Promise<void> {
+  const { document: old, etag } = await readProgramme(name);
+  const { description, tags: oldTags } = old;
+  const kept = { ...(description === undefined ? {} : { description }), ...(tags.length > 0 || oldTags === undefined ? {} : { tags: oldTags }) };
+  await replaceProgramme(name, { ...document, ...kept }, etag);
 }
 
 /**
@@ -62,8 +65,10 @@ export async function saveProgramme(world: JsonObject, origin: string): Promise<
     const [title = '', name = '', tags = ''] = reply.texts;
     said = { title, name, tags };
     try {
-      const document = { ...toProgramme(world), ...(title ? { title } : {}), tags: readTags(tags), origin };
-      await store(name, document, reply.answer === 'replace');
+      const read = readTags(tags);
+      const document = { ...toProgramme(world), ...(title ? { title } : {}), tags: read, origin };
+      if (reply.answer === 'replace') await replace(name, document, read);
+      else await createProgramme(name, document);
       return name;
     } catch (problem) {
       if (!(problem instanceof Problem)) throw problem;
