@@ -114,9 +114,8 @@ impl<T: Shelved> Shelf<T> {
 
     /// Saves a document, first on disk, then in memory.
     pub(super) async fn save(&self, name: &str, document: T::Document, condition: &Condition) -> Result<(Saved, Arc<T>), LoadError> {
-        let live = prepare(&self.compute, name, document).await?;
+        let live = prepare::<T>(&self.compute, name, document).await?;
         let _writing = self.writing.lock().await;
-        let live: Arc<T> = live;
         let saved = self.store.save(name, T::content(live.document()), condition).await?;
         self.change(|index| {
             index.insert(name.to_owned(), Arc::clone(&live));
