@@ -13,7 +13,7 @@ use terrane::{
     geometry::{Filter, Window},
     noise::Isa,
     server::{self, Config},
-    store::Store,
+    store::{Kind, Store},
     tile::{Tileset, write_geotiff},
     world::{Document, World},
 };
@@ -179,7 +179,7 @@ fn world(name: &str, data: Option<&Path>) -> anyhow::Result<World> {
     if !folder.join("terrane.sqlite").is_file() {
         bail!("there is no file {name}, and no worlds are stored in {}", folder.display());
     }
-    let worlds = runtime()?.block_on(async { Store::open_read_only(&folder).await?.worlds().await })?;
+    let worlds = runtime()?.block_on(async { Store::open_read_only(&folder).await?.documents(Kind::World).await })?;
     let names: Vec<_> = worlds.iter().map(|world| world.name.as_str()).collect();
     let Some(stored) = worlds.iter().find(|world| world.name == name) else {
         bail!("{name} is neither a file nor one of the worlds in {}: {}", folder.display(), names.join(", "));

@@ -17,7 +17,7 @@ export default defineConfig({
   // `npm run dev` beside a running `terrane serve`.
   server: {
     proxy: Object.fromEntries(
-      ['/catalog', '/worlds'].map((path) => [path, process.env['TERRANE_URL'] ?? 'http://127.0.0.1:8080']),
+      ['/catalog', '/worlds', '/programmes'].map((path) => [path, process.env['TERRANE_URL'] ?? 'http://127.0.0.1:8080']),
     ),
   },
 });

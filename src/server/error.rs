@@ -1,8 +1,8 @@
 //! Errors by who caused them, and their form on the wire: `application/problem+json` (RFC 9457).
 
-use super::{compute::Panicked, schema, tiles::TileFailure, worlds::LoadError};
+use super::{compute::Panicked, schema, shelf::LoadError, tiles::TileFailure};
 use crate::{
-    store::StoreError,
+    store::{Kind, StoreError},
     world::{DocumentError, Problem},
 };
 use axum::{
@@ -30,7 +30,7 @@ pub(super) enum ApiError {
     /// The body is larger than allowed.
     TooLarge(usize),
     /// The document was understood and is wrong.
-    Invalid(Vec<Entry>),
+    Invalid(Kind, Vec<Entry>),
     /// A web page of another origin tries to write.
     CrossSite,
     /// The request may come from another machine, and the server cannot tell who may write.
@@ -59,6 +59,14 @@ impl ApiError {
         ApiError::Internal
     }
 
+    /// Why a body is not a document of a kind.
+    pub(super) fn document(kind: Kind, error: DocumentError) -> Self {
+        match error {
+            DocumentError::Syntax(detail) => ApiError::BadRequest(format!("The body is not JSON: {detail}."), Vec::new()),
+            DocumentError::Invalid(problems) => ApiError::Invalid(kind, problems.into_iter().map(Entry::from).collect()),
+        }
+    }
+
     fn parts(self) -> (StatusCode, &'static str, String, Vec<Entry>) {
         match self {
             ApiError::BadRequest(detail, errors) => (StatusCode::BAD_REQUEST, "bad-request", detail, errors),
@@ -70,17 +78,20 @@ impl ApiError {
             ApiError::Conflict(detail) => (StatusCode::CONFLICT, "conflict", detail, Vec::new()),
             ApiError::PreconditionFailed(detail) => (StatusCode::PRECONDITION_FAILED, "precondition-failed", detail, Vec::new()),
             ApiError::TooLarge(limit) => (StatusCode::PAYLOAD_TOO_LARGE, "too-large", format!("The body must be at most {limit} bytes."), Vec::new()),
-            ApiError::Invalid(errors) => {
-                let detail = format!("The world document has {} problem{}.", errors.len(), if errors.len() == 1 { "" } else { "s" });
-                (StatusCode::UNPROCESSABLE_ENTITY, "invalid-world", detail, errors)
+            ApiError::Invalid(kind, errors) => {
+                let detail = format!("The {kind} document has {} problem{}.", errors.len(), if errors.len() == 1 { "" } else { "s" });
+                let invalid = match kind {
+                    Kind::World => "invalid-world",
+                    Kind::Programme => "invalid-programme",
+                };
+                (StatusCode::UNPROCESSABLE_ENTITY, invalid, detail, errors)
             }
             ApiError::CrossSite => {
                 let detail = "Web pages of other sites may read but not write.";
                 (StatusCode::FORBIDDEN, "cross-site", detail.to_owned(), Vec::new())
             }
             ApiError::ReadOnly => {
-                let detail =
-                    "Worlds are written on the server's own machine alone (http://localhost:PORT, no proxy): this version has no keys to tell who else may.";
+                let detail = "Worlds and programmes are written on the server's own machine alone (http://localhost:PORT, no proxy): no keys say who else may.";
                 (StatusCode::FORBIDDEN, "read-only", detail.to_owned(), Vec::new())
             }
             ApiError::Overloaded => (StatusCode::SERVICE_UNAVAILABLE, "overloaded", "Too many tiles are waiting; try again shortly.".to_owned(), Vec::new()),
@@ -112,20 +123,11 @@ impl From<Problem> for Entry {
     }
 }
 
-impl From<DocumentError> for ApiError {
-    fn from(error: DocumentError) -> Self {
-        match error {
-            DocumentError::Syntax(detail) => ApiError::BadRequest(format!("The body is not JSON: {detail}."), Vec::new()),
-            DocumentError::Invalid(problems) => ApiError::Invalid(problems.into_iter().map(Entry::from).collect()),
-        }
-    }
-}
-
 impl From<StoreError> for ApiError {
     fn from(error: StoreError) -> Self {
         match error {
-            StoreError::UnknownWorld(_) => ApiError::absent("world", error.to_string()),
-            StoreError::Condition(_) => ApiError::PreconditionFailed(error.to_string()),
+            StoreError::Unknown { kind, .. } => ApiError::absent(kind.noun(), error.to_string()),
+            StoreError::Condition { .. } => ApiError::PreconditionFailed(error.to_string()),
             StoreError::Folder { .. } | StoreError::InUse(_) | StoreError::Newer { .. } | StoreError::Database(_) => {
                 ApiError::internal("the store failed", &error)
             }
@@ -146,7 +148,7 @@ impl From<LoadError> for ApiError {
     fn from(error: LoadError) -> Self {
         match error {
             LoadError::Store(error) => error.into(),
-            LoadError::Document { .. } => ApiError::internal("a stored world cannot be read", &error),
+            LoadError::Document { .. } => ApiError::internal("a stored document cannot be read", &error),
             LoadError::Panicked(Panicked) => ApiError::Internal,
         }
     }

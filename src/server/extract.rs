@@ -1,11 +1,16 @@
 //! Requests as types: handlers never see raw text.
 
-use super::{error::ApiError, state::App, worlds::Live};
+use super::{
+    error::ApiError,
+    shelf::{Shelf, Shelved},
+    state::App,
+    worlds::Live,
+};
 use crate::{
     geometry::{Filter, Grid, MAX_SIDE, MAX_ZOOM, Samples, Tile},
     store::Condition,
     tile::{TileRequest, Tileset},
-    world::Revision,
+    world::{Revision, check_name},
 };
 use axum::{
     body::Bytes,
@@ -13,7 +18,7 @@ use axum::{
     http::{HeaderMap, StatusCode, header, request::Parts},
 };
 use serde::{Deserialize, de::DeserializeOwned};
-use std::{collections::HashMap, sync::Arc};
+use std::{collections::HashMap, marker::PhantomData, sync::Arc};
 
 /// Path parameters by name.
 async fn path(parts: &mut Parts) -> Result<HashMap<String, String>, ApiError> {
@@ -44,27 +49,41 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Known<T> {
     }
 }
 
-/// A world's name in a path, valid but perhaps not taken.
-pub(super) struct WorldName(pub String);
-
-impl WorldName {
-    pub(super) fn parse(name: &str) -> Result<Self, String> {
-        let plain = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit();
-        let valid = name.len() <= 63 && name.bytes().next().is_some_and(plain) && name.bytes().all(|b| plain(b) || b == b'-');
-        if valid {
-            return Ok(Self(name.to_owned()));
-        }
-        let shown: String = name.chars().take(64).collect();
-        Err(format!("a name is 1 to 63 of a … z, 0 … 9 and -, the first not -; got {shown:?}{}", if shown.len() < name.len() { "…" } else { "" }))
-    }
+/// A name of a kind of documents in a path, valid but perhaps not taken.
+pub(super) struct NameOf<T> {
+    pub name: String,
+    kind: PhantomData<fn() -> T>,
 }
 
-impl FromRequestParts<App> for WorldName {
+impl<T: Shelved> FromRequestParts<App> for NameOf<T> {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
-        let name = path(parts).await?.remove("world").unwrap_or_default();
-        Self::parse(&name).map_err(|detail| ApiError::parameter("world", detail))
+        let name = path(parts).await?.remove(T::KIND.noun()).unwrap_or_default();
+        check_name("a name", &name).map_err(|detail| ApiError::parameter(T::KIND.noun(), detail))?;
+        Ok(Self { name, kind: PhantomData })
+    }
+}
+
+/// What to say of a name that nothing has.
+fn unknown<T: Shelved>(shelf: &Shelf<T>, name: &str) -> ApiError {
+    let noun = T::KIND.noun();
+    if let Err(detail) = check_name("a name", name) {
+        return ApiError::absent(noun, detail);
+    }
+    let near = nearest(name, shelf.all().keys().map(String::as_str)).map_or_else(String::new, |near| format!(" (did you mean {near:?}?)"));
+    ApiError::absent(noun, format!("no {noun} is named {name:?}{near}"))
+}
+
+/// A document that there is.
+pub(super) struct Present<T>(pub Arc<T>);
+
+impl<T: Shelved> FromRequestParts<App> for Present<T> {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, ApiError> {
+        let name = path(parts).await?.remove(T::KIND.noun()).unwrap_or_default();
+        T::shelf(app).get(&name).map(Self).ok_or_else(|| unknown(T::shelf(app), &name))
     }
 }
 
@@ -81,19 +100,12 @@ impl FromRequestParts<App> for WorldAt {
     async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, ApiError> {
         let segment = path(parts).await?.remove("world").unwrap_or_default();
         let worlds = &app.0.worlds;
-        let unknown = |name: &str| {
-            if let Err(detail) = WorldName::parse(name) {
-                return ApiError::absent("world", detail);
-            }
-            let near = nearest(name, worlds.all().keys().map(String::as_str)).map_or_else(String::new, |near| format!(" (did you mean {near:?}?)"));
-            ApiError::absent("world", format!("no world is named {name:?}{near}"))
-        };
         let Some((name, revision)) = segment.split_once('@') else {
-            let live = worlds.get(&segment).ok_or_else(|| unknown(&segment))?;
+            let live = worlds.shelf.get(&segment).ok_or_else(|| unknown(&worlds.shelf, &segment))?;
             return Ok(Self { live, pinned: false });
         };
-        if worlds.get(name).is_none() {
-            return Err(unknown(name));
+        if worlds.shelf.get(name).is_none() {
+            return Err(unknown(&worlds.shelf, name));
         }
         let missing = || {
             ApiError::absent(
@@ -240,7 +252,7 @@ pub(super) fn entity_tags(headers: &HeaderMap, name: header::HeaderName) -> Opti
     Some(values?.into_iter().flat_map(|value| value.split(',')).map(|tag| tag.trim().to_owned()).filter(|tag| !tag.is_empty()).collect())
 }
 
-/// A request's body, at most as long as a world document may be.
+/// A request's body, at most as long as a document may be.
 pub(super) struct Body(pub Bytes);
 
 impl FromRequest<App> for Body {

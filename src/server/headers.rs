@@ -32,11 +32,16 @@ impl Freshness {
 /// A JSON answer whose entity tag is the hash of its bytes, or 304 if the client has them.
 pub(super) fn json(request: &HeaderMap, body: &impl serde::Serialize, freshness: Freshness) -> Result<Response, ApiError> {
     let bytes = serde_json::to_vec(body).map_err(|error| ApiError::internal("writing JSON", &error))?;
+    Ok(hashed(request, "application/json", bytes, freshness))
+}
+
+/// An answer whose entity tag is the hash of its bytes, or 304 if the client has them.
+pub(super) fn hashed(request: &HeaderMap, media_type: &'static str, bytes: Vec<u8>, freshness: Freshness) -> Response {
     let tag: String = Sha256::digest(&bytes).iter().take(16).map(|byte| format!("{byte:02x}")).collect();
     if is_fresh(request, &tag) {
-        return Ok(not_modified(&tag, freshness));
+        return not_modified(&tag, freshness);
     }
-    Ok(tagged(([(header::CONTENT_TYPE, "application/json")], bytes), &tag, freshness))
+    tagged(([(header::CONTENT_TYPE, media_type)], bytes), &tag, freshness)
 }
 
 /// Whether the request's `If-None-Match` holds the entity tag, so that 304 answers it.

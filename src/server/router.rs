@@ -3,7 +3,7 @@
 use super::{
     compute::panic_message,
     error::ApiError,
-    handler::{catalog, description, elevation, health, tile, viewer, world},
+    handler::{catalog, description, elevation, health, programme, tile, viewer, world},
     state::App,
 };
 use axum::{
@@ -26,6 +26,7 @@ use utoipa_axum::{router::OpenApiRouter, routes};
     info(title = "Terrane", description = "Streams endless, deterministic, generated terrain to map viewers, GIS tools and game clients."),
     tags(
         (name = "worlds", description = "World documents and their revisions"),
+        (name = "programmes", description = "The library of terrain programmes"),
         (name = "tiles", description = "Terrain as tiles"),
         (name = "queries", description = "Questions about the ground"),
         (name = "pages", description = "For people"),
@@ -44,6 +45,11 @@ fn documented() -> OpenApiRouter<App> {
         .routes(routes!(catalog::list_worlds, world::post_world))
         .routes(routes!(world::get_world, world::put_world, world::delete_world))
         .routes(routes!(world::list_revisions))
+        .routes(routes!(programme::list_programmes, programme::post_programme))
+        .routes(routes!(programme::get_programme, programme::put_programme, programme::delete_programme))
+        .routes(routes!(programme::get_text))
+        .routes(routes!(programme::get_tree))
+        .routes(routes!(programme::get_preview))
         .routes(routes!(tile::get_style))
         .routes(routes!(elevation::get_elevation))
         .routes(routes!(tile::get_tilejson))
@@ -74,8 +80,8 @@ pub fn router(app: App) -> Router {
         .with_state(app)
 }
 
-/// Refuses writes that may come from another machine, or that a browser makes for a page of another site: reads are open to all, a user's worlds are not
-/// theirs to change.
+/// Refuses writes that may come from another machine, or that a browser makes for a page of another site: reads are open to all, a user's worlds and
+/// programmes are not theirs to change.
 async fn guard_writes(State(app): State<App>, request: Request, next: Next) -> Response {
     if matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS) {
         return next.run(request).await;

@@ -64,6 +64,72 @@ pub(super) struct BaseSchema {
     datum: f64,
 }
 
+/// A programme of the library, with what shows it best as terrain. Requests may leave out what has a default; responses hold every field.
+#[derive(ToSchema)]
+#[schema(as = Programme)]
+#[expect(dead_code, reason = "as above")]
+pub(super) struct ProgrammeSchema {
+    /// A name for people, at most 200 characters.
+    title: Option<String>,
+    /// What terrain it makes, at most 4000 characters.
+    description: Option<String>,
+    /// What it can be found by; each 1 to 63 of a … z, 0 … 9 and -, none twice.
+    #[schema(required = false, max_items = 16)]
+    tags: Vec<String>,
+    /// Where it came from, at most 200 characters.
+    #[schema(required = false, default = "", example = "shipped with Terrane")]
+    origin: String,
+    /// A terrain programme, as text or as a JSON tree.
+    #[schema(value_type = serde_json::Value, example = "fbm(1, 2, 8)")]
+    programme: serde_json::Value,
+    /// Metres per programme unit, more than 0 and at most 2^40.
+    #[schema(required = false, default = 20000, exclusive_minimum = 0, maximum = 1_099_511_627_776_i64)]
+    scale: f64,
+    /// Metres of elevation per unit of the programme's value.
+    #[schema(required = false, default = 1000, minimum = -1_000_000, maximum = 1_000_000)]
+    amplitude: f64,
+    /// Metres of elevation where the programme is 0.
+    #[schema(required = false, default = 0, minimum = -1_000_000, maximum = 1_000_000)]
+    datum: f64,
+    /// Elevation of the sea's surface in metres.
+    #[schema(required = false, default = 0, minimum = -10000, maximum = 32767)]
+    sea_level: f64,
+    /// The seed that it is shown with.
+    #[schema(required = false, default = 0, minimum = 0, maximum = 9_007_199_254_740_991_i64)]
+    seed: u64,
+    /// The vertical range that elevations are clamped to.
+    #[schema(required = false, inline)]
+    elevation: RangeSchema,
+}
+
+/// A programme in a list.
+#[derive(Serialize, ToSchema)]
+pub(super) struct ProgrammeEntry {
+    pub name: String,
+    /// The programme's title; its name where it has none.
+    pub title: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub description: Option<String>,
+    pub tags: Vec<String>,
+    /// Where it came from.
+    pub origin: String,
+    pub revision: String,
+    /// URL of its document.
+    pub document: String,
+    /// URL of its picture.
+    pub preview: String,
+}
+
+/// What was found in the library.
+#[derive(Serialize, ToSchema)]
+pub(super) struct ProgrammeList {
+    /// How many programmes were found.
+    pub found: usize,
+    /// The first 1000 of them, by name.
+    #[schema(max_items = 1000)]
+    pub programmes: Vec<ProgrammeEntry>,
+}
+
 /// A world in a list.
 #[derive(Serialize, ToSchema)]
 pub(super) struct WorldEntry {

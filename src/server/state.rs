@@ -3,8 +3,10 @@
 use super::{
     compute::Compute,
     config::Config,
+    library::{self, Shown},
+    shelf::{LoadError, Shelf},
     tiles::Tiles,
-    worlds::{LoadError, Worlds},
+    worlds::Worlds,
 };
 use crate::store::Store;
 use std::{
@@ -21,22 +23,24 @@ pub struct App(pub(super) Arc<AppState>);
 
 pub(super) struct AppState {
     pub worlds: Worlds,
+    pub library: Shelf<Shown>,
     pub tiles: Tiles,
     /// Threads for single points and first looks at worlds, so that these do not wait behind tiles.
     pub queries: Arc<Compute>,
     /// Without a slash at its end; empty: from each request's Host header.
     pub public_url: String,
     pub world_bytes: usize,
-    /// Whether worlds can be written: only where no other machine is meant to reach the server.
+    /// Whether worlds and programmes can be written: only where no other machine is meant to reach the server.
     pub writable: bool,
+    store: Store,
     draining: AtomicBool,
 }
 
 /// Why a server cannot start.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
-    /// The worlds cannot be loaded.
-    #[error("loading the worlds: {0}")]
+    /// The worlds or the programmes cannot be loaded.
+    #[error("loading worlds and programmes: {0}")]
     Load(#[source] Box<dyn std::error::Error + Send + Sync>),
     /// The compute threads cannot be started.
     #[error("starting threads: {0}")]
@@ -55,7 +59,7 @@ pub enum StartError {
 }
 
 impl App {
-    /// Opens the store and loads every world.
+    /// Opens the store and loads every world and the programme library.
     ///
     /// # Errors
     /// If the store cannot be opened or holds what this version cannot read, or threads cannot be started.
@@ -65,14 +69,17 @@ impl App {
         let queries = Arc::new(Compute::new("query", config.server.threads)?);
         let store = Store::open(&config.server.data).await.map_err(|error| load(error.into()))?;
         let old_revisions = NonZeroUsize::new(config.cache.old_revisions).unwrap_or(NonZeroUsize::MIN);
-        let worlds = Worlds::load(store, Arc::clone(&queries), old_revisions).await.map_err(load)?;
+        let worlds = Worlds::load(store.clone(), Arc::clone(&queries), old_revisions).await.map_err(load)?;
+        let library = library::load(store.clone(), Arc::clone(&queries)).await.map_err(load)?;
         Ok(Self(Arc::new(AppState {
             worlds,
+            library,
             tiles: Tiles::new(compute, config.cache.tile_bytes, config.limits.pending_seconds as f64 * 1e9),
             queries,
             public_url: config.server.public_url.trim_end_matches('/').to_owned(),
             world_bytes: config.limits.world_bytes,
             writable: config.server.listen.ip().is_loopback() && config.server.public_url.is_empty(),
+            store,
             draining: AtomicBool::new(false),
         })))
     }
@@ -94,6 +101,6 @@ impl App {
 
     /// Closes the store.
     pub async fn close(&self) {
-        self.0.worlds.close().await;
+        self.0.store.close().await;
     }
 }

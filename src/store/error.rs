@@ -1,5 +1,7 @@
 //! Why the store did not do what was asked.
 
+use super::Kind;
+
 /// Why a call to the store failed.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
@@ -22,12 +24,22 @@ pub enum StoreError {
         /// The newest layout known.
         known: i64,
     },
-    /// There is no such world.
-    #[error("no world is named {0:?}")]
-    UnknownWorld(String),
-    /// The world is not at the revision, or in the state, that the caller asked for.
-    #[error("the world is {}, not what the request's condition asks for", .0.as_ref().map_or_else(|| "absent".to_owned(), |revision| format!("at revision {revision}")))]
-    Condition(Option<String>),
+    /// There is no such document.
+    #[error("no {kind} is named {name:?}")]
+    Unknown {
+        /// What it would be.
+        kind: Kind,
+        /// The name.
+        name: String,
+    },
+    /// The document is not at the revision, or in the state, that the caller asked for.
+    #[error("the {kind} is {}, not what the request's condition asks for", .revision.as_ref().map_or_else(|| "absent".to_owned(), |revision| format!("at revision {revision}")))]
+    Condition {
+        /// What it is.
+        kind: Kind,
+        /// Where it is; `None` if it is absent.
+        revision: Option<String>,
+    },
     /// The database failed.
     #[error("the database: {0}")]
     Database(#[from] sqlx::Error),

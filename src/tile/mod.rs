@@ -3,10 +3,14 @@
 mod geotiff;
 mod hillshade;
 mod png;
+mod preview;
+mod relief;
 mod rgb;
 mod tileset;
 
 pub use geotiff::write_geotiff;
+pub use preview::{PREVIEW_FORM, preview};
+pub use relief::Ramp;
 pub use tileset::{EncodeError, Tileset};
 
 use crate::geometry::{Filter, Grid, GridError, Samples, Source, Surface, Tile, Window};

@@ -13,7 +13,12 @@ pub(super) fn rgb(surface: &Surface, colour: impl Fn(f32) -> [u8; 3]) -> Result<
     for (pixel, &elevation) in bytes.chunks_exact_mut(3).zip(&surface.elevation) {
         pixel.copy_from_slice(&colour(elevation));
     }
-    write(surface.columns, surface.rows, &bytes, ExtendedColorType::Rgb8)
+    colours(surface.columns, surface.rows, &bytes)
+}
+
+/// Three bytes a pixel.
+pub(super) fn colours(columns: usize, rows: usize, bytes: &[u8]) -> Result<Vec<u8>, EncodeError> {
+    write(columns, rows, bytes, ExtendedColorType::Rgb8)
 }
 
 /// One grey a pixel.

@@ -1,6 +1,6 @@
-//! The worlds a new server starts with.
+//! The worlds and the programmes that ship with the program.
 
-/// A world that ships with the program.
+/// A document that ships with the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Example {
     /// Its name in URLs.
@@ -19,10 +19,20 @@ pub const EXAMPLES: [Example; 6] = [
     Example { name: "mesas", json: include_str!("../../data/worlds/mesas.json") },
 ];
 
+/// Every programme that ships with the library.
+pub const PRESETS: [Example; 6] = [
+    Example { name: "alps", json: include_str!("../../data/programmes/alps.json") },
+    Example { name: "archipelago", json: include_str!("../../data/programmes/archipelago.json") },
+    Example { name: "dunes", json: include_str!("../../data/programmes/dunes.json") },
+    Example { name: "eq2", json: include_str!("../../data/programmes/eq2.json") },
+    Example { name: "hills", json: include_str!("../../data/programmes/hills.json") },
+    Example { name: "mesas", json: include_str!("../../data/programmes/mesas.json") },
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::world::{Document, Survey, World};
+    use crate::world::{Document, Preset, Survey, World};
 
     #[test]
     fn every_example_is_a_world_with_relief_and_without_surprises() {
@@ -32,5 +42,17 @@ mod tests {
             let survey = Survey::of(&World::new(document));
             assert!(survey.elevations[1] - survey.elevations[0] > 20.0, "{}: {survey:?}", example.name);
         }
+    }
+
+    #[test]
+    fn every_shipped_programme_can_be_found_and_shows_relief() {
+        for shipped in PRESETS {
+            let preset = Preset::parse(shipped.json.as_bytes()).unwrap_or_else(|error| panic!("{}: {error}", shipped.name));
+            let told = preset.title.is_some() && preset.description.is_some() && !preset.tags.is_empty();
+            assert!(told && preset.origin == "shipped with Terrane", "{}", shipped.name);
+            let survey = Survey::of(&World::new(preset.document()));
+            assert!(survey.elevations[1] - survey.elevations[0] > 20.0, "{}: {survey:?}", shipped.name);
+        }
+        assert!(PRESETS.is_sorted_by_key(|shipped| shipped.name), "each name once");
     }
 }

@@ -39,12 +39,23 @@ impl World {
     /// The fingerprint of a tile; `form` names tileset, extension, options and encoder version.
     #[must_use]
     pub fn fingerprint(&self, form: &str, grid: Grid, tile: Tile, samples: Samples, filter: Filter) -> Fingerprint {
-        let mut hash = self.prefix.0.clone();
         let (registration, side) = match samples {
             Samples::Centres(n) => ("centres", n),
             Samples::Vertices(n) => ("vertices", n),
         };
-        hash.update(format!("{form}\n{registration} {side}\n{}\n{} {} {} {}", filter.name(), grid.name(), tile.z, tile.x, tile.y));
+        self.identify(&format!("{form}\n{registration} {side}\n{}\n{} {} {} {}", filter.name(), grid.name(), tile.z, tile.x, tile.y))
+    }
+
+    /// The fingerprint of the view that [`Survey`](super::Survey) finds, `pixels` a side; `form` names what is drawn and the encoder's version.
+    #[must_use]
+    pub fn view_fingerprint(&self, form: &str, pixels: usize) -> Fingerprint {
+        self.identify(&format!("{form}\nview {pixels}"))
+    }
+
+    /// The identity of something drawn from this world that `what` describes in full.
+    fn identify(&self, what: &str) -> Fingerprint {
+        let mut hash = self.prefix.0.clone();
+        hash.update(what);
         let digest = hash.finalize();
         Fingerprint(core::array::from_fn(|i| digest[i]))
     }
@@ -75,5 +86,7 @@ mod tests {
         assert_ne!(one, fingerprint(&base, "terrarium.png 1", 4, Samples::Vertices(256), Filter::Band));
         assert_ne!(one, fingerprint(&base, "terrarium.png 1", 4, Samples::Centres(256), Filter::Exact));
         assert_eq!(one.to_string().len(), 32);
+        let world = World::new(Document::parse(base.as_bytes()).expect("valid"));
+        assert_ne!(world.view_fingerprint("preview.png 1", 256), world.view_fingerprint("preview.png 1", 255));
     }
 }

@@ -1,13 +1,24 @@
 //! Worlds: the document that is the whole truth about a terrain, and its evaluation.
 
+mod base;
 mod document;
 mod evaluate;
 mod examples;
 mod fingerprint;
+mod name;
+mod number;
+mod preset;
+mod problem;
+mod revision;
 mod survey;
 
-pub use document::{Base, Document, DocumentError, ElevationRange, GENERATOR, Problem, Revision};
+pub use base::{Base, ElevationRange};
+pub use document::{Document, GENERATOR};
 pub use evaluate::World;
-pub use examples::{EXAMPLES, Example};
+pub use examples::{EXAMPLES, Example, PRESETS};
 pub use fingerprint::Fingerprint;
+pub use name::check_name;
+pub use preset::Preset;
+pub use problem::{DocumentError, Problem};
+pub use revision::Revision;
 pub use survey::Survey;

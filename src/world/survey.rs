@@ -1,7 +1,7 @@
 //! A first look at a world: where it shows relief, and how high it reaches.
 
 use super::World;
-use crate::geometry::{Filter, Window};
+use crate::geometry::{Axis, Filter, Window};
 
 /// Samples a side of the area that is looked at, and of the views compared within it.
 const SIDE: usize = 96;
@@ -22,6 +22,9 @@ pub struct Survey {
 }
 
 impl Survey {
+    /// Samples that are evaluated to look at a world.
+    pub const SAMPLES: usize = SIDE * SIDE;
+
     /// Looks at 24 × 24 programme units around the base's origin.
     #[must_use]
     pub fn of(world: &World) -> Self {
@@ -49,6 +52,15 @@ impl Survey {
         let elevations = [sorted[sorted.len() / 50], sorted[sorted.len() - 1 - sorted.len() / 50]];
         Self { centre: [x - half + column, y + half - row], side: spacing * VIEW as f64, elevations }
     }
+
+    /// The view as `pixels` × `pixels` pixel centres.
+    #[must_use]
+    pub fn window(&self, pixels: usize) -> Window {
+        let (half_pixel, last) = (self.side / pixels as f64 / 2.0, pixels as i64 - 1);
+        let [columns, rows] = [(-last, 2, self.centre[0]), (last, -2, self.centre[1])];
+        let axis = |(first, stride, centre): (i64, i64, f64)| Axis::new(first, stride, half_pixel, centre, pixels);
+        Window { columns: axis(columns), rows: axis(rows), filter: Filter::Band }
+    }
 }
 
 /// Standard deviation of what stands above the sea, so that a sea floor does not count as relief.
@@ -75,6 +87,13 @@ mod tests {
         assert!(found.centre[0] > 5_000.0 && found.centre[1] > 5_000.0, "{found:?}");
         assert!(found.elevations[0] < 0.0 && found.elevations[1] > 0.0, "{found:?}");
         assert_eq!(found.side, 3_000.0);
+    }
+
+    #[test]
+    fn the_view_is_a_window_around_its_centre() {
+        let window = Survey { centre: [100.0, -50.0], side: 40.0, elevations: [0.0, 1.0] }.window(4);
+        assert_eq!(window.columns.coordinates().collect::<Vec<_>>(), [85.0, 95.0, 105.0, 115.0]);
+        assert_eq!(window.rows.coordinates().collect::<Vec<_>>(), [-35.0, -45.0, -55.0, -65.0]);
     }
 
     #[test]

@@ -33,8 +33,8 @@ export async function startBrowser(url) {
     page.on('pageerror', (error) => note(`page error: ${error.stack}`));
     page.on('requestfailed', (request) => {
       const reason = request.failure()?.errorText;
-      // MapLibre cancels tiles that have left the view; nothing else may be cancelled.
-      const cancelled = reason === 'net::ERR_ABORTED' && request.url().includes('/web/terrarium/');
+      // MapLibre cancels tiles that have left the view, a closed gallery its pictures; nothing else may be cancelled.
+      const cancelled = reason === 'net::ERR_ABORTED' && /\/web\/terrarium\/|\/preview\.png/.test(request.url());
       if (!cancelled) note(`failed: ${request.url()} ${reason}`);
     });
     page.on('response', (response) => {

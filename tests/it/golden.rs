@@ -6,8 +6,8 @@ use sha2::{Digest, Sha256};
 use std::{fmt::Write, path::Path};
 use terrane::{
     geometry::{Filter, Grid, Samples, Tile},
-    tile::{TileRequest, Tileset, render},
-    world::{Document, EXAMPLES, World},
+    tile::{PREVIEW_FORM, TileRequest, Tileset, preview, render},
+    world::{Document, EXAMPLES, PRESETS, Preset, Survey, World},
 };
 
 fn digest(bytes: &[u8]) -> String {
@@ -53,6 +53,29 @@ fn tiles_are_those_of_the_golden_digests() {
         std::fs::write(&place, &got).unwrap();
         let different: Vec<_> = got.lines().filter(|line| !kept.lines().any(|kept| kept == *line)).collect();
         panic!("{} of {} lines differ; what this machine makes is in {}:\n{}", different.len(), got.lines().count(), place.display(), different.join("\n"));
+    }
+}
+
+/// The pictures of the library; those that differ are left to be looked at.
+#[test]
+fn previews_are_those_of_the_golden_digests() {
+    let kept = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/previews.txt")).unwrap_or_default();
+    let (place, mut got) = (Path::new(env!("CARGO_TARGET_TMPDIR")), String::new());
+    for shipped in PRESETS {
+        let preset = Preset::parse(shipped.json.as_bytes()).unwrap();
+        let world = World::new(preset.document());
+        for pixels in [64, 256] {
+            let png = preview(&world, &Survey::of(&world).window(pixels), preset.sea_level).unwrap();
+            let line = format!("{} {PREVIEW_FORM} {pixels}: {}\n", shipped.name, digest(&png));
+            if !kept.contains(&line) {
+                std::fs::write(place.join(format!("{}-{pixels}.png", shipped.name)), &png).unwrap();
+            }
+            got += &line;
+        }
+    }
+    if got != kept {
+        std::fs::write(place.join("previews.txt"), &got).unwrap();
+        panic!("tests/golden/previews.txt differs; what this machine makes, pictures too, is in {}:\n{got}", place.display());
     }
 }
 

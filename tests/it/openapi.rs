@@ -31,7 +31,8 @@ async fn every_described_operation_is_there() {
     let client = Client::new().await;
     let description = serde_json::to_value(terrane::server::openapi()).unwrap();
     let fill = |template: &str| {
-        let filled = [("{world}", "hills"), ("{grid}", "web"), ("{tileset}", "terrarium"), ("{z}", "3"), ("{x}", "4"), ("{y}", "2.png")];
+        let filled =
+            [("{world}", "hills"), ("{programme}", "hills"), ("{grid}", "web"), ("{tileset}", "terrarium"), ("{z}", "3"), ("{x}", "4"), ("{y}", "2.png")];
         filled.iter().fold(template.to_owned(), |path, (name, value)| path.replace(name, value))
     };
     let mut operations = 0;
@@ -43,7 +44,8 @@ async fn every_described_operation_is_there() {
                 let path = fill(template);
                 assert!(!path.contains('{'), "{path}: give the parameter a value here");
                 let query = if template.ends_with("/elevation") { "?x=0&y=0" } else { "" };
-                let body = if matches!(method, Method::PUT | Method::POST) { r#"{"seed":1,"base":{"programme":"x","scale":1}}"# } else { "" };
+                let document = if template.starts_with("/programmes") { r#"{"programme":"x"}"# } else { r#"{"seed":1,"base":{"programme":"x","scale":1}}"# };
+                let body = if matches!(method, Method::PUT | Method::POST) { document } else { "" };
                 let answer = client.send(method.clone(), &format!("{path}{query}"), &[], body).await;
                 assert!(answer.status.is_success(), "{method} {path}: {}", answer.status);
                 assert_ne!(answer.status, StatusCode::METHOD_NOT_ALLOWED);
@@ -51,7 +53,7 @@ async fn every_described_operation_is_there() {
             }
         }
     }
-    assert!(operations >= 14, "{operations}");
+    assert!(operations >= 22, "{operations}");
 }
 
 #[tokio::test]

@@ -116,7 +116,15 @@ struct Written {
     in_flight: Option<u64>,
 }
 
-/// Writes as fast as it can, kills the server in the middle, and looks for every world whose write was acknowledged.
+/// Where a document is kept, and the document with a seed: worlds and programmes in turn.
+fn kept(which: usize, seed: u64) -> (String, String) {
+    match which % 2 {
+        0 => (format!("/worlds/w{which}"), format!(r#"{{"seed":{seed},"base":{{"programme":"fbm(1, 2, 3)","scale":1000}}}}"#)),
+        _ => (format!("/programmes/w{which}"), format!(r#"{{"seed":{seed},"programme":"fbm(1, 2, 3)"}}"#)),
+    }
+}
+
+/// Writes as fast as it can, kills the server in the middle, and looks for every document whose write was acknowledged.
 #[test]
 fn a_killed_server_loses_nothing_it_acknowledged() {
     let rounds = std::env::var("TERRANE_KILLS").ok().and_then(|rounds| rounds.parse().ok()).unwrap_or(5_u64);
@@ -125,7 +133,7 @@ fn a_killed_server_loses_nothing_it_acknowledged() {
     for round in 0..=rounds {
         let mut server = Server::start(folder.path());
         for (i, written) in written.iter_mut().enumerate() {
-            let (status, body) = server.request("GET", &format!("/worlds/w{i}"), "").unwrap();
+            let (status, body) = server.request("GET", &kept(i, 0).0, "").unwrap();
             let stored = serde_json::from_slice::<Value>(&body).unwrap()["seed"].as_u64().filter(|_| status == 200);
             let expected = [written.acknowledged, written.in_flight.or(written.acknowledged)];
             assert!(expected.contains(&stored), "w{i} holds {stored:?} after {round} kills, not one of {expected:?}");
@@ -141,9 +149,9 @@ fn a_killed_server_loses_nothing_it_acknowledged() {
         });
         for i in 0_u64.. {
             let (which, seed) = ((i % 7) as usize, round * 100_000 + i);
-            let body = format!(r#"{{"seed":{seed},"base":{{"programme":"fbm(1, 2, 3)","scale":1000}}}}"#);
+            let (path, body) = kept(which, seed);
             written[which].in_flight = Some(seed);
-            match server.request("PUT", &format!("/worlds/w{which}"), &body) {
+            match server.request("PUT", &path, &body) {
                 Ok((200 | 201, _)) => written[which] = Written { acknowledged: Some(seed), in_flight: None },
                 Ok((status, body)) => panic!("{status}: {}", text(&body)),
                 Err(_) => break,

@@ -11,6 +11,16 @@ export interface CatalogEntry {
   revision: string;
 }
 
+/** A programme in the list of the library. */
+export interface ProgrammeEntry {
+  name: string;
+  title: string;
+  description?: string;
+  tags: string[];
+  origin: string;
+  revision: string;
+}
+
 /** One thing that is wrong with a document. `start` and `end` count Unicode scalar values of a programme's text. */
 export interface Fault {
   pointer: string;
@@ -101,3 +111,25 @@ export async function readStyle(name: string): Promise<StyleSpecification> {
   const response = await request(`worlds/${name}/style.json`, { cache: 'no-cache' });
   return (await response.json()) as StyleSpecification;
 }
+
+export async function programmes(): Promise<ProgrammeEntry[]> {
+  const response = await request('programmes', { cache: 'no-cache' });
+  return ((await response.json()) as { programmes: ProgrammeEntry[] }).programmes;
+}
+
+export async function readProgramme(name: string): Promise<Stored> {
+  return stored(await request(`programmes/${name}`, { cache: 'no-cache' }));
+}
+
+export async function createProgramme(name: string, document: JsonObject): Promise<void> {
+  await request(`programmes?name=${encodeURIComponent(name)}`, send('POST', document));
+}
+
+/** Saves over the revision `etag`. */
+export async function replaceProgramme(name: string, document: JsonObject, etag: string): Promise<void> {
+  await request(`programmes/${name}`, send('PUT', document, { 'If-Match': etag }));
+}
+
+/** Where the picture of a programme is; the address changes with the programme, so that no old picture is shown. */
+export const previewUrl = ({ name, revision }: ProgrammeEntry, pixels: number) =>
+  `programmes/${name}/preview.png?size=${pixels}#${revision}`;

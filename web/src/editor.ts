@@ -1,8 +1,11 @@
-import { Problem, createWorld, readWorld, saveWorld, type Fault, type JsonObject, type Stored } from './api.ts';
+import { Problem, createWorld, programmes, readProgramme, readWorld, saveWorld, type Fault, type JsonObject, type Stored } from './api.ts';
 import { ask } from './dialog.ts';
 import { FIELDS, fieldFor, toDocument, toValues, type Values } from './fields.ts';
 import { Form } from './form.ts';
-import { slug } from './text.ts';
+import { chooseProgramme } from './gallery.ts';
+import { withProgramme } from './library.ts';
+import { saveProgramme } from './save-programme.ts';
+import { NAME, slug } from './text.ts';
 
 export interface EditorEvents {
   /** A new revision of the world in the form is stored. */
@@ -38,6 +41,8 @@ export class Editor {
       void this.save();
     });
     form.querySelector('#save-as')?.addEventListener('click', () => void this.saveAs());
+    form.querySelector('#choose-programme')?.addEventListener('click', () => void this.chooseProgramme());
+    form.querySelector('#save-programme')?.addEventListener('click', () => void this.saveProgramme());
   }
 
   get changed(): boolean {
@@ -79,6 +84,43 @@ export class Editor {
       this.#clean = this.#form.values; // nothing is left to lose
       this.events.created(name);
     });
+  }
+
+  /** Fills in a programme of the library; what stood there can be brought back. */
+  async chooseProgramme(): Promise<void> {
+    this.#form.status('Opening the library…');
+    try {
+      const chosen = await chooseProgramme(await programmes());
+      this.#form.status('');
+      if (!chosen) return;
+      const { document } = await readProgramme(chosen.name);
+      this.#change(withProgramme(this.#form.values, document), `Filled in ${chosen.title}, not saved yet.`, 'Undo', 'As it was.');
+    } catch (error) {
+      this.#form.status(message(error), 'error');
+    }
+  }
+
+  /** Keeps the form's programme in the library, whether or not the world is saved. */
+  async saveProgramme(): Promise<void> {
+    await this.#guarded(async (document) => {
+      this.#form.status('');
+      const name = await saveProgramme(document, this.#name ? `from the world ${this.#name}` : 'from the editor');
+      if (name) this.#form.status(`Saved to the library as ${name}.`);
+    });
+  }
+
+  /** Puts other values into the form, and offers to take them out again. */
+  #change(values: Values, said: string, label: string, saidBack: string): void {
+    const before = this.#form.values;
+    this.#form.clearFaults();
+    this.#form.values = values;
+    this.#showChanged();
+    const run = () => {
+      this.#form.values = before;
+      this.#form.status(saidBack);
+      this.#showChanged();
+    };
+    this.#form.status(said, 'info', { label, run });
   }
 
   /** Runs one saving at a time, with the form's document, and shows what went wrong. */
@@ -145,20 +187,14 @@ export class Editor {
       const reply = await ask({
         title: 'Save as a new world',
         text: 'The name becomes part of its address and cannot be changed.',
-        input: {
-          label: 'Name',
-          value,
-          pattern: '[a-z0-9][a-z0-9\\-]{0,62}',
-          hint: 'Small letters, digits and hyphens, 63 at most',
-          ...(error ? { error } : {}),
-        },
+        lines: [{ label: 'Name', value, ...NAME, ...(error ? { error } : {}) }],
         answers: [
           { id: 'cancel', label: 'Cancel' },
           { id: 'create', label: 'Create', primary: true },
         ],
       });
       if (reply?.answer !== 'create') return undefined;
-      value = reply.text;
+      value = reply.texts[0] ?? '';
       this.#form.status('Saving…');
       try {
         await createWorld(value, document);

@@ -17,7 +17,10 @@ export function lineAndColumn(text: string, offset: number): { line: number; col
   return { line: before.length, column: [...(before.at(-1) ?? '')].length + 1 };
 }
 
-/** A name for a world, made from its title. */
+/** What a name in an address is: a pattern, and the same in words. */
+export const NAME = { pattern: '[a-z0-9][a-z0-9\\-]{0,62}', hint: 'Small letters, digits and hyphens, 63 at most' };
+
+/** A name for a world or a programme, made from its title. */
 export function slug(title: string): string {
   return title
     .normalize('NFKD')

@@ -6,6 +6,7 @@ use crate::{
         error::ApiError,
         extract::PublicUrl,
         schema::{Catalog, CatalogEntry, ProblemDetails, TilesetEntry, WorldEntry, WorldList},
+        shelf::Shelved,
         state::App,
         worlds::Live,
     },
@@ -27,12 +28,12 @@ pub(crate) async fn get_catalog(State(app): State<App>, PublicUrl(url): PublicUr
         let all = Grid::ALL.into_iter().flat_map(|grid| Tileset::ALL.map(|tileset| (grid.name(), tileset.name())));
         all.map(|(grid, tileset)| TilesetEntry { grid, tileset, tilejson: format!("{url}/worlds/{name}/{grid}/{tileset}") }).collect()
     };
-    let worlds = app.0.worlds.all().values().map(|live| CatalogEntry { world: entry(live), tilesets: tilesets(&live.name) }).collect();
+    let worlds = app.0.worlds.shelf.all().values().map(|live| CatalogEntry { world: entry(live), tilesets: tilesets(&live.name) }).collect();
     Ok(Json(Catalog { worlds }))
 }
 
 /// Every world.
 #[utoipa::path(get, path = "/worlds", tag = "worlds", responses((status = 200, description = "The worlds, by name", body = WorldList)))]
 pub(crate) async fn list_worlds(State(app): State<App>) -> Json<WorldList> {
-    Json(WorldList { worlds: app.0.worlds.all().values().map(|live| entry(live)).collect() })
+    Json(WorldList { worlds: app.0.worlds.shelf.all().values().map(|live| entry(live)).collect() })
 }

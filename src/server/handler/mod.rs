@@ -2,8 +2,10 @@
 
 pub(super) mod catalog;
 pub(super) mod description;
+mod document;
 pub(super) mod elevation;
 pub(super) mod health;
+pub(super) mod programme;
 pub(super) mod tile;
 pub(super) mod viewer;
 pub(super) mod world;

@@ -7,6 +7,7 @@ use crate::{
         extract::{Known, PublicUrl, TilePath, TilesetPath, WorldAt},
         headers::{Freshness, is_fresh, json, not_modified, tagged},
         schema::{ProblemDetails, TileJson},
+        shelf::Shelved,
         state::App,
         style,
         worlds::Live,

@@ -1,42 +1,20 @@
 //! World documents.
 
-use crate::{
-    server::{
-        error::ApiError,
-        extract::{Body, Known, PublicUrl, WorldAt, WorldName, WriteCondition},
-        headers::{Freshness, is_fresh, not_modified, tagged},
-        schema::{ProblemDetails, RevisionSchema, WorldSchema},
-        state::App,
-        worlds::Live,
-    },
-    store::{Condition, Saved},
-    world::Document,
+use super::document::{self, NameQuery};
+use crate::server::{
+    error::ApiError,
+    extract::{Body, Known, NameOf, PublicUrl, WorldAt, WriteCondition},
+    headers::Freshness,
+    schema::{ProblemDetails, RevisionSchema, WorldSchema},
+    state::App,
+    worlds::Live,
 };
 use axum::{
     Json,
     extract::State,
-    http::{HeaderMap, StatusCode, header},
-    response::{IntoResponse, Response},
+    http::{HeaderMap, StatusCode},
+    response::Response,
 };
-use serde::Deserialize;
-use std::sync::Arc;
-use utoipa::IntoParams;
-
-/// The document itself, with its revision as entity tag.
-fn answer(status: StatusCode, live: &Live, freshness: Freshness) -> Response {
-    let body = ([(header::CONTENT_TYPE, "application/json")], live.world.document().to_json());
-    tagged((status, body), live.world.revision().as_str(), freshness)
-}
-
-/// Saves on a task of its own: once begun it ends, whether or not the client stays, and memory never lags behind the disk.
-async fn save(app: &App, name: String, document: Document, condition: Condition) -> Result<(Saved, Arc<Live>), ApiError> {
-    let app = app.clone();
-    let task = tokio::spawn(async move { app.0.worlds.save(&name, document, &condition).await });
-    match task.await {
-        Ok(saved) => Ok(saved?),
-        Err(error) => Err(ApiError::internal("saving a world", &error)),
-    }
-}
 
 /// A world document, completed.
 #[utoipa::path(get, path = "/worlds/{world}", tag = "worlds", params(("world" = String, Path, description = "`name` or `name@revision`")), responses(
@@ -45,9 +23,7 @@ async fn save(app: &App, name: String, document: Document, condition: Condition)
     (status = 404, description = "No such world or revision", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
 pub(crate) async fn get_world(WorldAt { live, pinned }: WorldAt, headers: HeaderMap) -> Response {
-    let freshness = Freshness::of(pinned);
-    let revision = live.world.revision().as_str();
-    if is_fresh(&headers, revision) { not_modified(revision, freshness) } else { answer(StatusCode::OK, &live, freshness) }
+    document::get(&headers, &*live, Freshness::of(pinned))
 }
 
 /// Saves a world: a new one, or a new revision.
@@ -68,31 +44,12 @@ pub(crate) async fn get_world(WorldAt { live, pinned }: WorldAt, headers: Header
 ))]
 pub(crate) async fn put_world(
     State(app): State<App>,
-    WorldName(name): WorldName,
+    NameOf { name, .. }: NameOf<Live>,
     WriteCondition(condition): WriteCondition,
     PublicUrl(url): PublicUrl,
     Body(body): Body,
 ) -> Result<Response, ApiError> {
-    let (saved, live) = save(&app, name, Document::parse(&body)?, condition).await?;
-    Ok(match saved {
-        Saved::Created => created(&url, &live),
-        Saved::Changed | Saved::Unchanged => answer(StatusCode::OK, &live, Freshness::Revalidate),
-    })
-}
-
-/// 201 with the new world's place.
-fn created(url: &str, live: &Live) -> Response {
-    let location = [(header::LOCATION, format!("{url}/worlds/{}", live.name))];
-    (location, answer(StatusCode::CREATED, live, Freshness::Revalidate)).into_response()
-}
-
-/// The name of a new world.
-#[derive(Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub(crate) struct NameQuery {
-    /// Without it a name is made from the title, or from the revision.
-    name: Option<String>,
+    document::put::<Live>(&app, &url, name, condition, &body).await
 }
 
 /// Saves a new world.
@@ -110,40 +67,7 @@ pub(crate) async fn post_world(
     PublicUrl(url): PublicUrl,
     Body(body): Body,
 ) -> Result<Response, ApiError> {
-    let given = query.name.map(|name| WorldName::parse(&name)).transpose().map_err(|detail| ApiError::parameter("name", detail))?;
-    let document = Document::parse(&body)?;
-    let names: Box<dyn Iterator<Item = String> + Send> = match given {
-        Some(WorldName(name)) => Box::new(std::iter::once(name)),
-        None => Box::new(made_names(&document)),
-    };
-    let mut last = String::new();
-    for name in names {
-        // Most taken names are known without compiling the world for them.
-        if app.0.worlds.get(&name).is_some() {
-            last = name;
-            continue;
-        }
-        match save(&app, name.clone(), document.clone(), Condition::Absent).await {
-            Ok((_, live)) => return Ok(created(&url, &live)),
-            Err(ApiError::PreconditionFailed(_)) => last = name,
-            Err(error) => return Err(error),
-        }
-    }
-    Err(ApiError::Conflict(format!("A world is already named {last:?}.")))
-}
-
-/// Names to try for a document: its title's, then that with numbers.
-fn made_names(document: &Document) -> impl Iterator<Item = String> + use<> {
-    let name = made_name(document);
-    (1..1000).map(move |number| if number == 1 { name.clone() } else { format!("{name}-{number}") })
-}
-
-/// A title's letters and digits joined by hyphens; `world-` and the revision's start without any.
-fn made_name(document: &Document) -> String {
-    let title = document.title.as_deref().unwrap_or_default().to_ascii_lowercase();
-    let words: Vec<_> = title.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty()).collect();
-    let name: String = words.join("-").chars().take(50).collect();
-    if name.is_empty() { format!("world-{}", &document.revision().as_str()[..12]) } else { name.trim_end_matches('-').to_owned() }
+    document::post::<Live>(&app, &url, query, &body).await
 }
 
 /// Takes a world out of the catalogue. Its history stays, and goes on if the name is used again.
@@ -159,14 +83,10 @@ fn made_name(document: &Document) -> String {
 ))]
 pub(crate) async fn delete_world(
     State(app): State<App>,
-    WorldName(name): WorldName,
+    NameOf { name, .. }: NameOf<Live>,
     WriteCondition(condition): WriteCondition,
 ) -> Result<StatusCode, ApiError> {
-    let task = tokio::spawn(async move { app.0.worlds.delete(&name, &condition).await });
-    match task.await {
-        Ok(deleted) => Ok(deleted.map(|()| StatusCode::NO_CONTENT)?),
-        Err(error) => Err(ApiError::internal("deleting a world", &error)),
-    }
+    document::delete::<Live>(app, name, condition).await
 }
 
 /// Every saved revision of a world, newest last.
@@ -175,6 +95,6 @@ pub(crate) async fn delete_world(
     (status = 404, description = "No such world", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
 pub(crate) async fn list_revisions(State(app): State<App>, WorldAt { live, .. }: WorldAt) -> Result<Json<Vec<RevisionSchema>>, ApiError> {
-    let entries = app.0.worlds.revisions(&live.name).await?;
+    let entries = app.0.worlds.shelf.revisions(&live.name).await?;
     Ok(Json(entries.into_iter().map(|entry| RevisionSchema { number: entry.number, time: entry.time, revision: entry.revision }).collect()))
 }

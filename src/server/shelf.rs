@@ -1,0 +1,162 @@
+//! Named documents of one kind: on disk, and in memory ready to be used.
+
+use super::{
+    compute::{Compute, Panicked},
+    state::App,
+};
+use crate::{
+    store::{Condition, Content, Kind, RevisionEntry, Saved, Store, StoreError},
+    world::{DocumentError, Revision},
+};
+use arc_swap::ArcSwap;
+use std::{collections::BTreeMap, sync::Arc};
+
+/// A document of a kind with what was made of it for serving.
+pub(super) trait Shelved: Sized + Send + Sync + 'static {
+    /// What it is.
+    const KIND: Kind;
+    /// Where its kind stands in addresses.
+    const PATH: &'static str;
+    type Document: Clone + Send + Sync + 'static;
+
+    /// Reads a new document.
+    fn parse(json: &[u8]) -> Result<Self::Document, DocumentError>;
+    /// Reads a document that was accepted before.
+    fn parse_stored(json: &[u8]) -> Result<Self::Document, DocumentError>;
+    fn content(document: &Self::Document) -> Content;
+    fn title_of(document: &Self::Document) -> Option<&str>;
+
+    /// Makes of a document what serves it; this may evaluate terrain.
+    fn new(name: &str, document: Self::Document) -> Self;
+    fn name(&self) -> &str;
+    fn document(&self) -> &Self::Document;
+    fn revision(&self) -> &Revision;
+
+    /// The server's shelf of this kind.
+    fn shelf(app: &App) -> &Shelf<Self>;
+
+    /// The title, or the name of a document without one.
+    fn title(&self) -> &str {
+        Self::title_of(self.document()).unwrap_or(self.name())
+    }
+}
+
+/// Why documents cannot be loaded.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum LoadError {
+    /// The store failed.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// A stored document is not one that this version reads.
+    #[error("the stored {kind} {name:?}: {error}")]
+    Document {
+        /// What it is.
+        kind: Kind,
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        error: DocumentError,
+    },
+    /// It could not be evaluated.
+    #[error(transparent)]
+    Panicked(#[from] Panicked),
+}
+
+type Index<T> = BTreeMap<String, Arc<T>>;
+
+/// The documents of a kind.
+pub(super) struct Shelf<T> {
+    store: Store,
+    compute: Arc<Compute>,
+    index: ArcSwap<Index<T>>,
+    /// Held from a write to the store until the index shows it, so that both change in the same order.
+    writing: tokio::sync::Mutex<()>,
+}
+
+impl<T: Shelved> Shelf<T> {
+    /// Loads every document of the kind.
+    pub(super) async fn load(store: Store, compute: Arc<Compute>) -> Result<Self, LoadError> {
+        let mut index = Index::new();
+        for stored in store.documents(T::KIND).await? {
+            // One document that cannot be read must not take the others with it.
+            match revive(&compute, &stored.name, &stored.body).await {
+                Ok(live) => {
+                    index.insert(stored.name, live);
+                }
+                Err(error) => tracing::error!(%error, "a stored {} is left out", T::KIND),
+            }
+        }
+        Ok(Self { store, compute, index: ArcSwap::from_pointee(index), writing: tokio::sync::Mutex::default() })
+    }
+
+    /// Every document, by name.
+    pub(super) fn all(&self) -> Arc<Index<T>> {
+        self.index.load_full()
+    }
+
+    /// What a name stands for now.
+    pub(super) fn get(&self, name: &str) -> Option<Arc<T>> {
+        self.index.load().get(name).cloned()
+    }
+
+    /// What a name stood for at a revision, from disk.
+    pub(super) async fn read(&self, name: &str, revision: &Revision) -> Result<Option<Arc<T>>, LoadError> {
+        match self.store.document(T::KIND, name, revision).await? {
+            Some(body) => Ok(Some(revive(&self.compute, name, &body).await?)),
+            None => Ok(None),
+        }
+    }
+
+    /// Every saved revision of a name.
+    pub(super) async fn revisions(&self, name: &str) -> Result<Vec<RevisionEntry>, StoreError> {
+        self.store.revisions(T::KIND, name).await
+    }
+
+    /// Saves a document, first on disk, then in memory.
+    pub(super) async fn save(&self, name: &str, document: T::Document, condition: &Condition) -> Result<(Saved, Arc<T>), LoadError> {
+        let live = prepare::<T>(&self.compute, name, document).await?;
+        let _writing = self.writing.lock().await;
+        let saved = self.store.save(name, T::content(live.document()), condition).await?;
+        self.change(|index| {
+            index.insert(name.to_owned(), Arc::clone(&live));
+        });
+        Ok((saved, live))
+    }
+
+    /// Takes a name out of use.
+    pub(super) async fn delete(&self, name: &str, condition: &Condition) -> Result<(), StoreError> {
+        let _writing = self.writing.lock().await;
+        self.store.delete(T::KIND, name, condition).await?;
+        self.change(|index| {
+            index.remove(name);
+        });
+        Ok(())
+    }
+
+    fn change(&self, edit: impl Fn(&mut Index<T>)) {
+        self.index.rcu(|index| {
+            let mut index = Index::clone(index);
+            edit(&mut index);
+            index
+        });
+    }
+}
+
+/// Reads what ships with the program.
+pub(super) fn shipped<T: Shelved>(name: &str, json: &str) -> Result<Content, LoadError> {
+    parse::<T>(name, json).map(|document| T::content(&document))
+}
+
+fn parse<T: Shelved>(name: &str, body: &str) -> Result<T::Document, LoadError> {
+    T::parse_stored(body.as_bytes()).map_err(|error| LoadError::Document { kind: T::KIND, name: name.to_owned(), error })
+}
+
+async fn revive<T: Shelved>(compute: &Compute, name: &str, body: &str) -> Result<Arc<T>, LoadError> {
+    Ok(prepare(compute, name, parse::<T>(name, body)?).await?)
+}
+
+/// Compiles, and surveys where that is needed, on the compute pool.
+async fn prepare<T: Shelved>(compute: &Compute, name: &str, document: T::Document) -> Result<Arc<T>, Panicked> {
+    let name = name.to_owned();
+    compute.run(move || Arc::new(T::new(&name, document))).await
+}

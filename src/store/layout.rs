@@ -1,0 +1,81 @@
+//! The tables, and how those of older versions become those of this one.
+
+use super::StoreError;
+use sqlx::{Executor, Sqlite, SqliteConnection};
+
+/// The layout of the tables, kept in `PRAGMA user_version`: how many of the steps below were done.
+pub(super) const LAYOUT: i64 = STEPS.len() as i64;
+
+/// From each layout to the next. Append-only, as the tables are: a document is stored once under its content's name, and every save or deletion of a name is a
+/// row; a deletion has no revision.
+const STEPS: [&str; 2] = [
+    "
+    CREATE TABLE document (revision TEXT PRIMARY KEY, body TEXT NOT NULL) STRICT;
+    CREATE TABLE history (
+        world TEXT NOT NULL,
+        number INTEGER NOT NULL,
+        time TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),
+        revision TEXT REFERENCES document (revision),
+        PRIMARY KEY (world, number)
+    ) STRICT, WITHOUT ROWID;
+    PRAGMA user_version = 1;
+    ",
+    // Worlds are no longer the only documents; what was shipped is remembered, so that later versions can tell it from what users made of it.
+    "
+    ALTER TABLE history RENAME TO history_1;
+    CREATE TABLE history (
+        kind TEXT NOT NULL,
+        name TEXT NOT NULL,
+        number INTEGER NOT NULL,
+        time TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),
+        revision TEXT REFERENCES document (revision),
+        PRIMARY KEY (kind, name, number)
+    ) STRICT, WITHOUT ROWID;
+    INSERT INTO history (kind, name, number, time, revision) SELECT 'world', world, number, time, revision FROM history_1;
+    DROP TABLE history_1;
+    CREATE TABLE shipped (
+        kind TEXT NOT NULL,
+        name TEXT NOT NULL,
+        revision TEXT NOT NULL REFERENCES document (revision),
+        PRIMARY KEY (kind, name)
+    ) STRICT, WITHOUT ROWID;
+    PRAGMA user_version = 2;
+    ",
+];
+
+/// What lets a connection that may not write read layout 1 as this one.
+const READ_LAYOUT_1: &str = "CREATE TEMP VIEW history AS SELECT 'world' AS kind, world AS name, number, time, revision FROM main.history";
+
+async fn found(connection: impl Executor<'_, Database = Sqlite>) -> Result<i64, StoreError> {
+    let found = sqlx::query_scalar("PRAGMA user_version").fetch_one(connection).await?;
+    if (0..=LAYOUT).contains(&found) { Ok(found) } else { Err(StoreError::Newer { found, known: LAYOUT }) }
+}
+
+/// Brings the tables to this version's layout, inside a transaction.
+pub(super) async fn lay_out(transaction: &mut SqliteConnection) -> Result<(), StoreError> {
+    let found = found(&mut *transaction).await?;
+    for step in &STEPS[found as usize..] {
+        sqlx::raw_sql(*step).execute(&mut *transaction).await?;
+    }
+    Ok(())
+}
+
+/// Lets a connection that may not write read tables of this version's layout or of an older one.
+pub(super) async fn read_as_laid_out(connection: &mut SqliteConnection) -> Result<(), StoreError> {
+    if found(&mut *connection).await? == 1 {
+        sqlx::raw_sql(READ_LAYOUT_1).execute(connection).await?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// Makes the tables of an older version.
+    pub(in crate::store) async fn lay_out_as(connection: &mut SqliteConnection, layout: usize) {
+        for step in &STEPS[..layout] {
+            sqlx::raw_sql(*step).execute(&mut *connection).await.expect("laid out");
+        }
+    }
+}
