@@ -71,7 +71,7 @@ impl Shown {
 
     /// Predicted nanoseconds that its picture takes.
     pub(super) fn preview_cost_ns(&self, pixels: usize) -> f64 {
-        self.world.cost_ns() * (pixels * pixels + Survey::SAMPLES) as f64
+        Survey::cost_ns(&self.world, pixels)
     }
 
     /// Its picture: the place that shows most relief, on the calling thread.

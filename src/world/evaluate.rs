@@ -2,7 +2,7 @@
 
 use super::{Document, Revision, fingerprint::Prefix};
 use crate::{
-    geometry::{Source, Surface, Window},
+    geometry::{Filter, Source, Surface, Window},
     programme::{Frame, Tape},
 };
 use rayon::prelude::*;
@@ -54,7 +54,13 @@ impl World {
     /// The predicted time to evaluate a window on one thread, in nanoseconds.
     #[must_use]
     pub fn cost_ns(&self, window: &Window) -> f64 {
-        self.tape.cost_ns(window.spacing() / self.frame.scale, window.filter) * window.samples() as f64
+        self.sample_cost_ns(window.spacing(), window.filter) * window.samples() as f64
+    }
+
+    /// The predicted time to evaluate one of many samples `spacing` metres apart, in nanoseconds.
+    #[must_use]
+    pub fn sample_cost_ns(&self, spacing: f64, filter: Filter) -> f64 {
+        self.tape.cost_ns(spacing / self.frame.scale, filter)
     }
 
     /// The terrain over a window, on the calling thread.

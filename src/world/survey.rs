@@ -22,8 +22,13 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Samples that are evaluated to look at a world.
-    pub const SAMPLES: usize = SIDE * SIDE;
+    /// The predicted time to look at a world and then to evaluate the view as `pixels` × `pixels` samples, in nanoseconds.
+    #[must_use]
+    pub fn cost_ns(world: &World, pixels: usize) -> f64 {
+        let scale = world.document().base.scale;
+        let sample = |spacing: f64| world.sample_cost_ns(spacing, Filter::Band);
+        sample(scale / 4.0) * (SIDE * SIDE) as f64 + sample(scale * 3.0 / pixels as f64) * (pixels * pixels) as f64
+    }
 
     /// Looks at 24 × 24 programme units around the base's origin.
     #[must_use]
