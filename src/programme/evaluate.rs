@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     geometry::Window,
-    noise::{Isa, Kernel, Rows, elementary},
+    noise::{Isa, Kernel, Lanes, Rows, elementary},
 };
 
 /// Samples a block: registers of a typical programme stay within the first-level cache.
@@ -108,7 +108,7 @@ impl<F: Fn(f32) -> f32> Kernel for Map<'_, F> {
     type Output = u64;
 
     #[inline(always)]
-    fn run(self) -> u64 {
+    fn run<L: Lanes>(self, _: L) -> u64 {
         // As locals, what the function holds is known to stay as it is while values are written.
         let Self { values, function } = self;
         let mut count = 0_u32;
@@ -137,7 +137,7 @@ impl<F: Fn(f32, f32) -> f32> Kernel for Zip<'_, F> {
     type Output = u64;
 
     #[inline(always)]
-    fn run(self) -> u64 {
+    fn run<L: Lanes>(self, _: L) -> u64 {
         let Self { values, others, function } = self;
         let mut count = 0_u32;
         for (value, &other) in values.iter_mut().zip(others) {
