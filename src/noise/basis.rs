@@ -1,10 +1,15 @@
 //! The noises that stand alone and that fractals are made of.
 
 use super::{
-    Feature, Isa, Metric,
+    Feature, Isa, Lanes, Metric,
+    aligned::AlignedArray,
     cells::Lattice,
     cellular::{self, DistanceRows, Query, ValueRows, Values},
-    gradient::{self, GradientRows, Gradients},
+    field::Octave,
+    fractal::Step,
+    gradient::{self, Blender, Gradients, IPerlin, OPerlin},
+    gradient_rows::GradientRows,
+    rows::{ROOM, Samples, add},
 };
 
 /// A noise in a unit lattice.
@@ -34,88 +39,123 @@ impl Basis {
         [Basis::OPerlin, Basis::IPerlin, Basis::Blender, Basis::CellNoise].into_iter().chain(voronoi)
     }
 
-    fn gradients(self) -> Option<Gradients> {
-        match self {
-            Basis::OPerlin => Some(Gradients::Unit),
-            Basis::IPerlin => Some(Gradients::Edges),
-            _ => None,
-        }
-    }
-
     /// `amplitude` times the noise at a point; `extent` is the spacing of the samples in cells that edges are made fit for, 0 to leave them sharp.
     pub(super) fn at(self, lattice: &Lattice, amplitude: f32, extent: f32, u: f64, v: f64) -> f32 {
-        if let Some(gradients) = self.gradients() {
-            return gradient::at(gradients, lattice, amplitude, u, v);
-        }
-        let value = match self {
-            Basis::Voronoi { feature, metric } => cellular::feature_at(metric, feature, lattice, extent, u, v),
-            Basis::Blender => gradient::blender_at(lattice, u, v),
-            _ => Values::new(*lattice, extent).at(u, v),
-        };
-        amplitude * value
-    }
-
-    pub(super) fn rows(self, isa: Isa, lattice: Lattice, amplitude: f32, extent: f32, coordinates: &[f64]) -> BasisRows {
-        if let Some(gradients) = self.gradients() {
-            return BasisRows::Gradient(GradientRows::new(gradients, lattice, amplitude, coordinates));
-        }
         match self {
-            Basis::Voronoi { feature, metric } => {
-                BasisRows::Distance(DistanceRows::new(Query { isa, metric, feature, lattice, extent }, coordinates), amplitude)
-            }
-            Basis::Blender => BasisRows::Points { basis: self, lattice, amplitude, columns: coordinates.to_vec(), row: 0.0 },
-            _ => BasisRows::Value(ValueRows::new(isa, Values::new(lattice, extent), coordinates), amplitude),
+            Basis::OPerlin => gradient::at(Gradients::Unit, lattice, amplitude, u, v),
+            Basis::IPerlin => gradient::at(Gradients::Edges, lattice, amplitude, u, v),
+            Basis::Blender => gradient::blender_at(lattice, amplitude, u, v),
+            Basis::CellNoise => amplitude * Values::new(*lattice, extent).at(u, v),
+            Basis::Voronoi { feature, metric } => amplitude * cellular::feature_at(metric, feature, lattice, extent, u, v),
         }
     }
 }
 
 /// A basis along the rows of a window.
 pub(super) enum BasisRows {
-    Gradient(GradientRows),
-    Distance(DistanceRows, f32),
-    Value(ValueRows, f32),
-    /// Sample by sample.
-    Points {
-        basis: Basis,
-        lattice: Lattice,
-        amplitude: f32,
-        columns: Vec<f64>,
-        row: f64,
-    },
+    OPerlin(GradientRows<OPerlin>),
+    IPerlin(GradientRows<IPerlin>),
+    Blender(GradientRows<Blender>),
+    /// With its factor.
+    Cellular(CellularRows, f32),
 }
 
 impl BasisRows {
     #[inline(always)]
-    pub(super) fn begin(&mut self, v: f64) {
-        match self {
-            BasisRows::Gradient(rows) => rows.begin(v),
-            BasisRows::Distance(rows, _) => rows.begin(v),
-            BasisRows::Value(rows, _) => rows.begin(v),
-            BasisRows::Points { row, .. } => *row = v,
+    pub(super) fn new<L: Lanes>(lanes: L, isa: Isa, basis: Basis, octave: &Octave, coordinates: &[f64]) -> Self {
+        let Octave { lattice, amplitude, extent, .. } = *octave;
+        match basis {
+            Basis::OPerlin => BasisRows::OPerlin(GradientRows::new(lanes, lattice, amplitude, coordinates)),
+            Basis::IPerlin => BasisRows::IPerlin(GradientRows::new(lanes, lattice, amplitude, coordinates)),
+            Basis::Blender => BasisRows::Blender(GradientRows::new(lanes, lattice, amplitude, coordinates)),
+                        Basis::Voronoi { feature, metric } => {
+                let query = Query { isa, metric, feature, lattice, extent };
+                BasisRows::Cellular(CellularRows::new(CellularKind::Distance(DistanceRows::new(query, coordinates)), coordinates), amplitude)
+            }
+            Basis::CellNoise => {
+                let values = ValueRows::new(isa, Values::new(lattice, extent), coordinates);
+                BasisRows::Cellular(CellularRows::new(CellularKind::Value(values), coordinates), amplitude)
+            }
         }
     }
 
     #[inline(always)]
-    pub(super) fn fill(&self, start: usize, out: &mut [f32]) {
-        let amplitude = match self {
-            BasisRows::Gradient(rows) => return rows.fill(start, out),
-            BasisRows::Distance(rows, amplitude) => {
-                rows.fill(start, out);
-                *amplitude
-            }
-            BasisRows::Value(rows, amplitude) => {
-                rows.fill(start, out);
-                *amplitude
-            }
-            BasisRows::Points { basis, lattice, amplitude, columns, row } => {
-                for (out, &u) in out.iter_mut().zip(&columns[start..]) {
-                    *out = basis.at(lattice, *amplitude, 0.0, u, *row);
-                }
-                return;
-            }
-        };
-        for value in out {
-            *value *= amplitude;
+    pub(super) fn begin<L: Lanes>(&mut self, lanes: L, v: f64) {
+        match self {
+            BasisRows::OPerlin(rows) => rows.begin(lanes, v),
+            BasisRows::IPerlin(rows) => rows.begin(lanes, v),
+            BasisRows::Blender(rows) => rows.begin(lanes, v),
+            BasisRows::Cellular(rows, _) => rows.begin(v),
+        }
+    }
+
+    /// Adds the octave to samples.
+    #[inline(always)]
+    pub(super) fn add<L: Lanes, S: Step>(&self, lanes: L, step: S, samples: &mut Samples<'_>) {
+        match self {
+            BasisRows::OPerlin(rows) => rows.add(lanes, step, samples),
+            BasisRows::IPerlin(rows) => rows.add(lanes, step, samples),
+            BasisRows::Blender(rows) => rows.add(lanes, step, samples),
+            BasisRows::Cellular(rows, amplitude) => rows.add(lanes, *amplitude, step, samples),
+        }
+    }
+}
+
+/// Noise that is written to a buffer, from where octaves take it.
+pub(super) struct CellularRows {
+    columns: usize,
+    kind: CellularKind,
+}
+
+enum CellularKind {
+    Distance(DistanceRows),
+    Value(ValueRows),
+}
+
+impl CellularRows {
+    fn new(kind: CellularKind, coordinates: &[f64]) -> Self {
+        Self { columns: coordinates.len(), kind }
+    }
+
+    #[inline(always)]
+    fn begin(&mut self, v: f64) {
+        match &mut self.kind {
+            CellularKind::Distance(rows) => rows.begin(v),
+            CellularKind::Value(rows) => rows.begin(v),
+        }
+    }
+
+    #[inline(always)]
+    fn fill(&self, start: usize, out: &mut [f32]) {
+        match &self.kind {
+            CellularKind::Distance(rows) => rows.fill(start, out),
+            CellularKind::Value(rows) => rows.fill(start, out),
+        }
+    }
+
+    #[inline(always)]
+    fn add<L: Lanes, S: Step>(&self, lanes: L, amplitude: f32, step: S, samples: &mut Samples<'_>) {
+        let mut noise = AlignedArray([0.0; ROOM]);
+        let noise = &mut noise.0;
+        let from = samples.first * L::WIDTH;
+        let count = samples.values.len().min(self.columns - from);
+        self.fill(from, &mut noise[..count]);
+        let amplitude = lanes.splat(amplitude);
+        let states = samples.values.chunks_exact_mut(L::WIDTH).zip(samples.openings.chunks_exact_mut(L::WIDTH));
+        for (noise, (value, opening)) in noise.chunks_exact(L::WIDTH).zip(states) {
+            add(lanes, step, amplitude * lanes.load(noise), value, opening);
+        }
+    }
+}
+
+impl Basis {
+    /// Writes a cellular noise at positions.
+    #[inline(always)]
+    pub(super) fn cellular_points(self, isa: Isa, octave: &Octave, us: &[f64], vs: &[f64], out: &mut [f32]) {
+        let Octave { lattice, extent, .. } = *octave;
+        match self {
+            Basis::Voronoi { feature, metric } => cellular::feature_points(&Query { isa, metric, feature, lattice, extent }, us, vs, out),
+            _ => cellular::value_points(isa, &Values::new(lattice, extent), us, vs, out),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Where samples lie in a noise lattice: cell, fraction and fade, found once a column and once a row.
 
-use super::hash;
+use super::{Lanes, hash};
 
 /// One octave's lattice: cells of side 1/frequency in programme units, its own corner hashes and its own phase.
 ///
@@ -26,6 +26,62 @@ impl Lattice {
         // Cells beyond 2^62 cannot be told apart in f64 anyway; the clamp keeps their neighbours' numbers from overflowing.
         let cell = at.floor().clamp(-4.611_686_018_427_388e18, 4.611_686_018_427_388e18);
         Position { cell: cell as i64, fraction: (at - cell).clamp(0.0, 1.0) }
+    }
+}
+
+/// Where samples lie along one axis of a lattice.
+#[derive(Clone, Copy)]
+pub(super) struct Axis<L: Lanes> {
+    /// Keys of the cells' own corners and of the next.
+    pub keys: [L::Words; 2],
+    pub fraction: L::Floats,
+    pub fade: L::Floats,
+    /// The fade's slope.
+    pub turn: L::Floats,
+}
+
+impl Lattice {
+    /// Whether coordinates up to a magnitude have cells whose numbers fit 52 bits, as [`Lattice::axis`] needs them.
+    pub(super) fn holds(&self, greatest: f64) -> bool {
+        greatest * self.frequency < 1e15
+    }
+
+    /// Whether their numbers fit 32 bits.
+    pub(super) fn is_near(&self, greatest: f64) -> bool {
+        greatest * self.frequency < 2e9
+    }
+
+    /// As [`Lattice::locate`], without the clamps that coordinates which the lattice holds do not need: low and high words of the cells, and fractions.
+    #[inline(always)]
+    pub(super) fn locate_lanes<L: Lanes>(&self, lanes: L, axis: usize, coordinates: L::Doubles) -> ([L::Words; 2], L::Doubles) {
+        let at = coordinates * lanes.splat_doubles(self.frequency) + lanes.splat_doubles(self.phase[axis]);
+        let cell = lanes.floor(at);
+        (lanes.whole_words(cell), at - cell)
+    }
+
+    /// Everything about coordinates that the lattice holds; `NEAR` if they are near.
+    #[inline(always)]
+    pub(super) fn axis<L: Lanes, const NEAR: bool>(&self, lanes: L, fade: Fade, axis: usize, coordinates: L::Doubles) -> Axis<L> {
+        let (words, fraction) = self.locate_lanes(lanes, axis, coordinates);
+        Axis {
+            keys: hash::keys::<L, NEAR>(lanes, axis, self.seed, words),
+            fraction: lanes.round(fraction),
+            fade: lanes.round(fade.weights(lanes, fraction)),
+            turn: lanes.round(fade.turns(lanes, fraction)),
+        }
+    }
+
+    /// The same for one coordinate, near or far.
+    #[inline(always)]
+    pub(super) fn axis_at<L: Lanes>(&self, lanes: L, fade: Fade, axis: usize, coordinate: f64) -> Axis<L> {
+        let Position { cell, fraction } = self.locate(axis, coordinate);
+        let key = |cell| if axis == 0 { hash::column_key(cell) } else { hash::row_key(cell, self.seed) };
+        Axis {
+            keys: [lanes.splat_words(key(cell)), lanes.splat_words(key(cell + 1))],
+            fraction: lanes.splat(fraction as f32),
+            fade: lanes.splat(fade.weight(fraction) as f32),
+            turn: lanes.splat(fade.turn(fraction) as f32),
+        }
     }
 }
 
@@ -58,6 +114,38 @@ impl Fade {
             Fade::None => 0.0,
         }
     }
+
+    /// The slope of the weight.
+    #[inline(always)]
+    pub(super) fn turn(self, t: f64) -> f64 {
+        match self {
+            Fade::Cubic => 6.0 * t * (1.0 - t),
+            Fade::Quintic => 30.0 * (t * (1.0 - t)) * (t * (1.0 - t)),
+            Fade::None => 0.0,
+        }
+    }
+
+    /// [`Fade::weight`] of every lane.
+    #[inline(always)]
+    pub(super) fn weights<L: Lanes>(self, lanes: L, t: L::Doubles) -> L::Doubles {
+        let [two, three, six] = [lanes.splat_doubles(2.0), lanes.splat_doubles(3.0), lanes.splat_doubles(6.0)];
+        match self {
+            Fade::Cubic => t * t * (three - two * t),
+            Fade::Quintic => t * t * t * (t * (t * six - lanes.splat_doubles(15.0)) + lanes.splat_doubles(10.0)),
+            Fade::None => lanes.splat_doubles(0.0),
+        }
+    }
+
+    /// [`Fade::turn`] of every lane.
+    #[inline(always)]
+    pub(super) fn turns<L: Lanes>(self, lanes: L, t: L::Doubles) -> L::Doubles {
+        let rest = lanes.splat_doubles(1.0) - t;
+        match self {
+            Fade::Cubic => lanes.splat_doubles(6.0) * t * rest,
+            Fade::Quintic => lanes.splat_doubles(30.0) * (t * rest) * (t * rest),
+            Fade::None => lanes.splat_doubles(0.0),
+        }
+    }
 }
 
 /// Consecutive columns in one cell.
@@ -77,19 +165,17 @@ pub(super) struct Columns {
     pub keys: Vec<u32>,
     pub runs: Vec<Run>,
     pub fraction: Vec<f32>,
-    pub fade: Vec<f32>,
 }
 
 impl Columns {
     /// Locates programme coordinates in ascending order; `before` and `after` say how many neighbours of a cell its noise needs.
-    pub(super) fn new(lattice: &Lattice, fade: Fade, coordinates: &[f64], before: i64, after: i64) -> Self {
+    pub(super) fn new(lattice: &Lattice, coordinates: &[f64], before: i64, after: i64) -> Self {
         let (mut keys, mut runs) = (Vec::new(), Vec::<Run>::new());
-        let (mut fractions, mut fades) = (Vec::with_capacity(coordinates.len()), Vec::with_capacity(coordinates.len()));
+        let mut fractions = Vec::with_capacity(coordinates.len());
         let (mut last_node, mut last_cell) = (i64::MIN, i64::MIN);
         for (i, &coordinate) in coordinates.iter().enumerate() {
             let Position { cell, fraction } = lattice.locate(0, coordinate);
             fractions.push(fraction as f32);
-            fades.push(fade.weight(fraction) as f32);
             if cell == last_cell {
                 runs.last_mut().expect("a cell was seen").end = i + 1;
                 continue;
@@ -102,7 +188,7 @@ impl Columns {
             last_node = cell + after;
             runs.push(Run { start: i, end: i + 1, node: keys.len() - 1 - after as usize });
         }
-        Self { keys, runs, fraction: fractions, fade: fades }
+        Self { keys, runs, fraction: fractions }
     }
 
     /// The runs that touch the columns `start … end`, cut to them.
@@ -161,7 +247,7 @@ mod tests {
     #[test]
     fn columns_hold_each_touched_cell_once() {
         let lattice = Lattice { frequency: 1.0, phase: [0.0; 2], seed: 1 };
-        let columns = Columns::new(&lattice, Fade::None, &[0.25, 0.5, 1.5, 7.0, 7.9], 1, 1);
+        let columns = Columns::new(&lattice, &[0.25, 0.5, 1.5, 7.0, 7.9], 1, 1);
         let expected: Vec<u32> = [-1, 0, 1, 2, 6, 7, 8].map(hash::column_key).to_vec();
         assert_eq!(columns.keys, expected);
         let runs: Vec<_> = columns.runs.iter().map(|run| (run.start, run.end, run.node)).collect();

@@ -5,8 +5,10 @@
 //! column's fade. These lines are the definition: the form for a single point computes just the same.
 
 use super::{
-    cells::{Columns, Fade, Lattice, RowCache},
+    Lanes,
+    cells::{Axis, Fade, Lattice},
     hash,
+    number::Dual,
 };
 
 /// Which gradients the corners choose from.
@@ -14,7 +16,7 @@ use super::{
 pub(super) enum Gradients {
     /// 16 unit vectors at odd multiples of 11.25°.
     Unit,
-    /// The 12 edge directions of a cube seen from above: the diagonals once, the axes twice.
+    /// The 12 edge directions of a cube seen from above: the diagonals once, the axes twice. Twice their length, which leaves one byte of them that is not zero.
     Edges,
 }
 
@@ -44,7 +46,7 @@ const UNIT_GRADIENTS: [[f32; 2]; 16] = {
 };
 
 const EDGE_GRADIENTS: [[f32; 2]; 12] =
-    [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [1.0, 0.0], [-1.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [0.0, 1.0], [0.0, -1.0]];
+    [[2.0, 2.0], [-2.0, 2.0], [2.0, -2.0], [-2.0, -2.0], [2.0, 0.0], [-2.0, 0.0], [2.0, 0.0], [-2.0, 0.0], [0.0, 2.0], [0.0, -2.0], [0.0, 2.0], [0.0, -2.0]];
 
 impl Gradients {
     #[inline(always)]
@@ -55,12 +57,12 @@ impl Gradients {
         }
     }
 
-    /// What brings the greatest value to 1: four gradients pointing at a cell's centre give 1/√2 and 1.
+    /// What brings the greatest value to 1: four gradients pointing at a cell's centre give 1/√2 and 2.
     #[inline(always)]
-    fn scale(self) -> f32 {
+    pub(super) fn scale(self) -> f32 {
         match self {
             Gradients::Unit => core::f32::consts::SQRT_2,
-            Gradients::Edges => 1.0,
+            Gradients::Edges => 0.5,
         }
     }
 
@@ -111,8 +113,9 @@ pub(super) fn at(gradients: Gradients, lattice: &Lattice, amplitude: f32, u: f64
     between(line(column.cell), line(column.cell + 1), column.fraction as f32, fade.weight(column.fraction) as f32)
 }
 
-/// The noise of Blender at a point: each corner of the cell adds its gradient's value times the radial kernel 1 - 3 r² + 2 r³ of its distance r < 1.
-pub(super) fn blender_at(lattice: &Lattice, u: f64, v: f64) -> f32 {
+/// The noise of Blender at a point, times `amplitude`: each corner of the cell adds its gradient's value times the radial kernel 1 - 3 r² + 2 r³ of its
+/// distance r < 1.
+pub(super) fn blender_at(lattice: &Lattice, amplitude: f32, u: f64, v: f64) -> f32 {
     let (column, row) = (lattice.locate(0, u), lattice.locate(1, v));
     let (fx, fy) = (column.fraction as f32, row.fraction as f32);
     let mut sum = 0.0;
@@ -123,81 +126,223 @@ pub(super) fn blender_at(lattice: &Lattice, u: f64, v: f64) -> f32 {
         let kernel = if square < 1.0 { (1.0 - 3.0 * square) + 2.0 * (square * square.sqrt()) } else { 0.0 };
         sum += kernel * (gx * dx + gy * dy);
     }
-    sum * BLENDER_SCALE
+    sum * (BLENDER_SCALE * amplitude)
 }
 
-/// What brings the greatest value of Blender's noise to 1.
-const BLENDER_SCALE: f32 = 2.0;
+/// What brings the greatest value of Blender's noise to 1: without it, that is 0.576 227, where the four best of the 16 gradients meet at (0.470, 0.5).
+pub(super) const BLENDER_SCALE: f32 = 1.735_427;
 
-/// Fewest samples a cell, on average, for which a loop over each cell's samples is worth its beginning.
-const WIDE: usize = 12;
+/// A gradient noise in vectors, compiled for its own gradients.
+pub(super) trait Noise: Copy {
+    const FADE: Fade;
+    /// Whether the gradients of two corners blend into a line.
+    const BLENDS: bool;
 
-/// The noise along the rows of a window.
-pub(super) struct GradientRows {
-    gradients: Gradients,
-    lattice: Lattice,
-    amplitude: f32,
-    columns: Columns,
-    /// Where each column's cell stands among the lattice columns; empty where cells are wide.
-    nodes: Vec<u32>,
-    corners: RowCache<Vec<[f32; 2]>>,
-    /// A and B of every lattice column of the present row.
-    lines: Vec<[f32; 2]>,
+    /// What brings the greatest value to 1.
+    fn scale() -> f32;
+    /// The gradients of corners.
+    fn gradients<L: Lanes>(lanes: L, hash: L::Words) -> [L::Floats; 2];
+    /// `scale` times the noise.
+    fn value<L: Lanes>(lanes: L, scale: L::Floats, x: &Axis<L>, y: &Axis<L>) -> L::Floats;
+    /// The same with its slopes along both axes, a cell being the unit.
+    fn dual<L: Lanes>(lanes: L, scale: L::Floats, x: &Axis<L>, y: &Axis<L>) -> Dual<L>;
 }
 
-impl GradientRows {
-    pub(super) fn new(gradients: Gradients, lattice: Lattice, amplitude: f32, coordinates: &[f64]) -> Self {
-        let columns = Columns::new(&lattice, gradients.fade(), coordinates, 0, 1);
-        let wide = coordinates.len() >= WIDE * columns.runs.len();
-        let nodes = if wide { Vec::new() } else { columns.runs.iter().flat_map(|run| (run.start..run.end).map(|_| run.node as u32)).collect() };
-        let count = columns.keys.len();
-        Self { gradients, lattice, amplitude, columns, nodes, corners: RowCache::new(2, || vec![[0.0; 2]; count]), lines: vec![[0.0; 2]; count] }
+/// Perlin 1985.
+#[derive(Clone, Copy)]
+pub(super) struct OPerlin;
+
+/// Perlin 2002.
+#[derive(Clone, Copy)]
+pub(super) struct IPerlin;
+
+/// Blender's.
+#[derive(Clone, Copy)]
+pub(super) struct Blender;
+
+impl Noise for OPerlin {
+    const FADE: Fade = Fade::Cubic;
+    const BLENDS: bool = true;
+
+    #[inline(always)]
+    fn scale() -> f32 {
+        Gradients::Unit.scale()
     }
 
-    /// Goes to the row of programme coordinate `v`.
     #[inline(always)]
-    pub(super) fn begin(&mut self, v: f64) {
-        let position = self.lattice.locate(1, v);
-        let Self { gradients, columns, lattice, .. } = self;
-        self.corners.want(position.cell, |row, corners| {
-            let row = hash::row_key(row, lattice.seed);
-            for (corner, &column) in corners.iter_mut().zip(&columns.keys) {
-                *corner = gradients.of(hash::corner(column, row));
+    fn gradients<L: Lanes>(lanes: L, hash: L::Words) -> [L::Floats; 2] {
+        unit_gradients(lanes, hash)
+    }
+
+    #[inline(always)]
+    fn value<L: Lanes>(lanes: L, scale: L::Floats, x: &Axis<L>, y: &Axis<L>) -> L::Floats {
+        blended_value::<L, Self>(lanes, scale, x, y)
+    }
+
+    #[inline(always)]
+    fn dual<L: Lanes>(lanes: L, scale: L::Floats, x: &Axis<L>, y: &Axis<L>) -> Dual<L> {
+        blended_dual::<L, Self>(lanes, scale, x, y)
+    }
+}
+
+impl Noise for IPerlin {
+    const FADE: Fade = Fade::Quintic;
+    const BLENDS: bool = true;
+
+    #[inline(always)]
+    fn scale() -> f32 {
+        Gradients::Edges.scale()
+    }
+
+    #[inline(always)]
+    fn gradients<L: Lanes>(lanes: L, hash: L::Words) -> [L::Floats; 2] {
+        // The top bytes of 0, 2 and -2.
+        const TOP: [[u8; 16]; 2] = {
+            let mut tables = [[0; 16]; 2];
+            let mut i = 0;
+            while i < EDGE_GRADIENTS.len() {
+                tables[0][i] = (EDGE_GRADIENTS[i][0].to_bits() >> 24) as u8;
+                tables[1][i] = (EDGE_GRADIENTS[i][1].to_bits() >> 24) as u8;
+                i += 1;
             }
-        });
-        let across =
-            Across { fraction: position.fraction as f32, fade: gradients.fade().weight(position.fraction) as f32, scale: gradients.scale() * self.amplitude };
-        for (line, (&south, &north)) in self.lines.iter_mut().zip(self.corners.get(0).iter().zip(self.corners.get(1))) {
-            *line = across.line(south, north);
-        }
+            tables
+        };
+        lanes.twelfths(&TOP, hash)
     }
 
-    /// Writes the noise at the columns from `start` on.
     #[inline(always)]
-    pub(super) fn fill(&self, start: usize, out: &mut [f32]) {
-        if self.nodes.is_empty() { self.fill_cells(start, out) } else { self.fill_samples(start, out) }
+    fn value<L: Lanes>(lanes: L, scale: L::Floats, x: &Axis<L>, y: &Axis<L>) -> L::Floats {
+        blended_value::<L, Self>(lanes, scale, x, y)
     }
 
-    /// Cell by cell: within one, the lines are the same for all samples.
     #[inline(always)]
-    fn fill_cells(&self, start: usize, out: &mut [f32]) {
-        for run in self.columns.runs_within(start, start + out.len()) {
-            let (left, right) = (self.lines[run.node], self.lines[run.node + 1]);
-            let samples = self.columns.fraction[run.start..run.end].iter().zip(&self.columns.fade[run.start..run.end]);
-            for (out, (&fraction, &fade)) in out[run.start - start..run.end - start].iter_mut().zip(samples) {
-                *out = between(left, right, fraction, fade);
-            }
-        }
+    fn dual<L: Lanes>(lanes: L, scale: L::Floats, x: &Axis<L>, y: &Axis<L>) -> Dual<L> {
+        blended_dual::<L, Self>(lanes, scale, x, y)
+    }
+}
+
+impl Noise for Blender {
+    const FADE: Fade = Fade::None;
+    const BLENDS: bool = false;
+
+    #[inline(always)]
+    fn scale() -> f32 {
+        BLENDER_SCALE
     }
 
-    /// Sample by sample: each fetches its own lines.
     #[inline(always)]
-    fn fill_samples(&self, start: usize, out: &mut [f32]) {
-        let end = start + out.len();
-        let samples = self.nodes[start..end].iter().zip(self.columns.fraction[start..end].iter().zip(&self.columns.fade[start..end]));
-        for (out, (&node, (&fraction, &fade))) in out.iter_mut().zip(samples) {
-            let node = node as usize;
-            *out = between(self.lines[node], self.lines[node + 1], fraction, fade);
-        }
+    fn gradients<L: Lanes>(lanes: L, hash: L::Words) -> [L::Floats; 2] {
+        unit_gradients(lanes, hash)
     }
+
+    #[inline(always)]
+    fn value<L: Lanes>(lanes: L, scale: L::Floats, x: &Axis<L>, y: &Axis<L>) -> L::Floats {
+        radial_dual(lanes, scale, x, y).value
+    }
+
+    #[inline(always)]
+    fn dual<L: Lanes>(lanes: L, scale: L::Floats, x: &Axis<L>, y: &Axis<L>) -> Dual<L> {
+        radial_dual(lanes, scale, x, y)
+    }
+}
+
+/// The first eight unit gradients; the others are their negatives, which the top bit tells.
+#[inline(always)]
+fn unit_gradients<L: Lanes>(lanes: L, hash: L::Words) -> [L::Floats; 2] {
+    const HALF: [[f32; 8]; 2] = {
+        let mut tables = [[0.0; 8]; 2];
+        let mut i = 0;
+        while i < 8 {
+            (tables[0][i], tables[1][i]) = (UNIT_GRADIENTS[i][0], UNIT_GRADIENTS[i][1]);
+            i += 1;
+        }
+        tables
+    };
+    let (index, sign) = (lanes.shr::<28>(hash), hash & lanes.splat_words(0x8000_0000));
+    let [gx, gy] = [lanes.lookup8(&HALF[0], index), lanes.lookup8(&HALF[1], index)];
+    [lanes.from_words(lanes.to_words(gx) ^ sign), lanes.from_words(lanes.to_words(gy) ^ sign)]
+}
+
+/// The lines of lattice columns, as [`Across::line`].
+#[inline(always)]
+pub(super) fn line<L: Lanes>(lanes: L, scale: L::Floats, y: &Axis<L>, south: [L::Floats; 2], north: [L::Floats; 2]) -> [L::Floats; 2] {
+    let below = south[1] * y.fraction;
+    let above = north[1] * (y.fraction - lanes.splat(1.0));
+    let a = scale * (below + y.fade * (above - below));
+    let b = scale * (south[0] + y.fade * (north[0] - south[0]));
+    [a, b]
+}
+
+/// The values between lines, as [`between`]; of the right line, A' - B' and B' are given.
+#[inline(always)]
+pub(super) fn mixed<F: Copy + core::ops::Add<Output = F> + core::ops::Sub<Output = F> + core::ops::Mul<Output = F>>(lines: [F; 4], fraction: F, fade: F) -> F {
+    let l = lines[0] + lines[1] * fraction;
+    let r = lines[2] + lines[3] * fraction;
+    l + fade * (r - l)
+}
+
+/// The gradients south and north of the cells on one of their sides, and so the line there. Not a closure over the sides: those are not compiled for the set.
+#[inline(always)]
+fn side<L: Lanes, N: Noise>(lanes: L, x: &Axis<L>, y: &Axis<L>, side: usize) -> [[L::Floats; 2]; 2] {
+    let south = N::gradients(lanes, hash::corners(lanes, x.keys[side], y.keys[0]));
+    let north = N::gradients(lanes, hash::corners(lanes, x.keys[side], y.keys[1]));
+    [south, north]
+}
+
+#[inline(always)]
+fn blended_value<L: Lanes, N: Noise>(lanes: L, scale: L::Floats, x: &Axis<L>, y: &Axis<L>) -> L::Floats {
+    let [south_west, north_west] = side::<L, N>(lanes, x, y, 0);
+    let [south_east, north_east] = side::<L, N>(lanes, x, y, 1);
+    let [a, b] = line(lanes, scale, y, south_west, north_west);
+    let [c, d] = line(lanes, scale, y, south_east, north_east);
+    mixed([a, b, c - d, d], x.fraction, x.fade)
+}
+
+/// The value l + fade (r - l) has the slope B + fade' (r - l) + fade (B' - B) along a row; across it, the slopes of l and r mix as l and r do.
+#[inline(always)]
+fn blended_dual<L: Lanes, N: Noise>(lanes: L, scale: L::Floats, x: &Axis<L>, y: &Axis<L>) -> Dual<L> {
+    let [south_west, north_west] = side::<L, N>(lanes, x, y, 0);
+    let [south_east, north_east] = side::<L, N>(lanes, x, y, 1);
+    let [a, b] = line(lanes, scale, y, south_west, north_west);
+    let [c, d] = line(lanes, scale, y, south_east, north_east);
+    let [turned_a, turned_b] = turned_line(lanes, scale, y, south_west, north_west);
+    let [turned_c, turned_d] = turned_line(lanes, scale, y, south_east, north_east);
+    let l = a + b * x.fraction;
+    let r = (c - d) + d * x.fraction;
+    Dual {
+        value: l + x.fade * (r - l),
+        slopes: [b + (x.turn * (r - l) + x.fade * (d - b)), mixed([turned_a, turned_b, turned_c - turned_d, turned_d], x.fraction, x.fade)],
+    }
+}
+
+/// The slopes of A and B across the row.
+#[inline(always)]
+fn turned_line<L: Lanes>(lanes: L, scale: L::Floats, y: &Axis<L>, south: [L::Floats; 2], north: [L::Floats; 2]) -> [L::Floats; 2] {
+    let below = south[1] * y.fraction;
+    let above = north[1] * (y.fraction - lanes.splat(1.0));
+    let a = scale * (south[1] + (y.turn * (above - below) + y.fade * (north[1] - south[1])));
+    let b = scale * (y.turn * (north[0] - south[0]));
+    [a, b]
+}
+
+/// As [`blender_at`]; the kernel's slope is 6 (r - 1) times the offset.
+#[inline(always)]
+fn radial_dual<L: Lanes>(lanes: L, scale: L::Floats, x: &Axis<L>, y: &Axis<L>) -> Dual<L> {
+    let number = |value| lanes.splat(value);
+    let (zero, one) = (number(0.0), number(1.0));
+    let mut sum = [zero; 3];
+    for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let [gx, gy] = unit_gradients(lanes, hash::corners(lanes, x.keys[i], y.keys[j]));
+        let (dx, dy) = (x.fraction - number(i as f32), y.fraction - number(j as f32));
+        let square = dx * dx + dy * dy;
+        let radius = lanes.sqrt(square);
+        let kernel = (one - number(3.0) * square) + number(2.0) * (square * radius);
+        let kernel = lanes.where_less(square, one, kernel, zero);
+        let turn = lanes.where_less(square, one, number(6.0) * (radius - one), zero);
+        let value = gx * dx + gy * dy;
+        sum[0] = sum[0] + kernel * value;
+        sum[1] = sum[1] + (turn * dx * value + kernel * gx);
+        sum[2] = sum[2] + (turn * dy * value + kernel * gy);
+    }
+    Dual { value: sum[0] * scale, slopes: [sum[1] * scale, sum[2] * scale] }
 }

@@ -3,6 +3,9 @@
 //! No kernel's result depends on the set: each arithmetic step is one IEEE operation in all of them, so wider registers change the time and no bit. A test runs
 //! every set that the machine has.
 
+#[cfg(target_arch = "x86_64")]
+use super::x86::{Avx2, Avx512};
+use super::lanes::{Lanes, Plain};
 use std::sync::OnceLock;
 
 /// An instruction set that kernels are compiled for.
@@ -86,7 +89,7 @@ impl Isa {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
             Isa::Avx512 if self.is_available() => unsafe { with_avx512(kernel) },
-            _ => kernel.run(),
+            _ => kernel.run(Plain::<BASELINE_WIDTH>),
         }
     }
 }
@@ -97,18 +100,23 @@ pub trait Kernel {
     /// What the loop answers.
     type Output;
 
-    /// The loop.
-    fn run(self) -> Self::Output;
+    /// The loop. Plain loops, which the compiler makes wide, have no use for the lanes.
+    fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
+
+/// Lanes of the baseline: two registers of SSE2 and NEON.
+const BASELINE_WIDTH: usize = 8;
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn with_avx2<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run()
+    // SAFETY: this function has the feature.
+    kernel.run(unsafe { Avx2::assume() })
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq")]
 fn with_avx512<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run()
+    // SAFETY: this function has the features.
+    kernel.run(unsafe { Avx512::assume() })
 }

@@ -3,24 +3,42 @@
 //! A [`Field`] is one noise or fractal: [`Field::at`] is its meaning at a point, [`Rows`] evaluates it along the rows of a window. Every arithmetic step is a
 //! single IEEE operation (no fused multiply-add, no platform libm), so both agree with each other and with every other machine.
 
+mod aligned;
 mod basis;
+mod bounds;
 mod cells;
 mod cellular;
 pub mod elementary;
 mod field;
+mod fractal;
 mod gradient;
+mod gradient_rows;
 mod hash;
 #[expect(unsafe_code, reason = "calling a function compiled for more than the baseline")]
 mod isa;
+mod lanes;
 mod metric;
 mod moments;
-mod stub;
+mod number;
+mod opening;
+mod points;
+mod rows;
+mod shape;
 mod valleys;
+#[cfg(target_arch = "x86_64")]
+#[expect(unsafe_code, reason = "calling intrinsics, reading and writing vectors")]
+mod x86;
 
 pub use basis::Basis;
 pub use cellular::{Feature, Metric};
-pub use field::{Field, FieldShape, Rows};
+pub use field::Field;
 pub use hash::{key, mix};
 pub use isa::{Isa, Kernel};
+pub use lanes::Lanes;
 pub use moments::Moments;
+pub use rows::Rows;
+pub use shape::FieldShape;
 pub use valleys::{Erosion, Terrain, Valleys};
+
+#[cfg(test)]
+mod tests;

@@ -6,7 +6,7 @@
 //!
 //! Lengths are measured in pitches (the side of a lattice's cell), so that far from the origin nothing is lost: only the heights of nodes need their positions.
 
-use super::{Isa, Kernel, field::carried, hash};
+use super::{Isa, Kernel, Lanes, field::carried, hash};
 use std::collections::HashMap;
 
 /// Heights of a terrain anywhere.
@@ -381,7 +381,7 @@ impl Kernel for Carve<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<L: Lanes>(self, _: L) {
         let Self { around, xs, ys, heights, cut, part, faded } = self;
         let (mut slopes, mut weights, mut lowest) = ([0.0_f32; CHUNK], [0.0_f32; CHUNK], [0.0_f32; CHUNK]);
         for &[node_x, node_y, slope] in &around.nodes {

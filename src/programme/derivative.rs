@@ -5,7 +5,6 @@ use super::{
     motion::Motion,
     operation::{Binary, Unary},
 };
-use crate::noise::Basis;
 use std::collections::HashMap;
 
 /// Half the distance of a difference, in programme units.
@@ -16,11 +15,6 @@ struct Derivatives {
     axis: Axis,
     steps: HashMap<Id, Option<Id>>,
     places: HashMap<PlaceId, [Option<Id>; 2]>,
-}
-
-/// Whether a basis has derivatives that it can evaluate.
-fn has_slopes(basis: Basis) -> bool {
-    matches!(basis, Basis::OPerlin | Basis::IPerlin | Basis::Blender)
 }
 
 impl Builder {
@@ -46,7 +40,7 @@ impl Builder {
                 let moved = self.place_derivative(place, known);
                 self.chain(moved, |axis| Step::ShapeSlope(shape, axis, place))
             }
-            Step::Noise(noise, place) if has_slopes(self.graph.noises[noise].basis) => {
+            Step::Noise(noise, place) if self.graph.noises[noise].basis.has_slopes() => {
                 let moved = self.place_derivative(place, known);
                 self.chain(moved, |axis| Step::NoiseSlope(noise, axis, place))
             }

@@ -5,7 +5,7 @@ use super::{
     graph::{Axis, Step},
     operation::{Binary, Unary},
 };
-use crate::noise::{Isa, Kernel, elementary};
+use crate::noise::{Isa, Kernel, Lanes, elementary};
 
 /// An operand of a block: one number for all samples, or one a sample.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +59,7 @@ impl Kernel for KeepFinite<'_> {
     type Output = u64;
 
     #[inline(always)]
-    fn run(self) -> u64 {
+    fn run<L: Lanes>(self, _: L) -> u64 {
         let mut count = 0;
         for value in self.values {
             *value = finite(*value, &mut count);
@@ -90,7 +90,7 @@ impl<F: Fn(f32) -> f32> Kernel for Map<'_, F> {
     type Output = u64;
 
     #[inline(always)]
-    fn run(self) -> u64 {
+    fn run<L: Lanes>(self, _: L) -> u64 {
         // As locals, what the function holds is known to stay as it is while values are written.
         let Self { a, out, function } = self;
         let mut count = 0;
@@ -117,7 +117,7 @@ impl<F: Fn(f32, f32) -> f32> Kernel for Zip<'_, F> {
     type Output = u64;
 
     #[inline(always)]
-    fn run(self) -> u64 {
+    fn run<L: Lanes>(self, _: L) -> u64 {
         let Self { a, b, out, function } = self;
         let mut count = 0;
         for (out, (&a, &b)) in out.iter_mut().zip(a.iter().zip(b)) {
@@ -143,7 +143,7 @@ impl<F: Fn(f64, f64) -> f32> Kernel for AtPoints<'_, F> {
     type Output = u64;
 
     #[inline(always)]
-    fn run(self) -> u64 {
+    fn run<L: Lanes>(self, _: L) -> u64 {
         let Self { us, vs, out, function } = self;
         let mut count = 0;
         for (out, (&u, &v)) in out.iter_mut().zip(us.iter().zip(vs)) {
@@ -169,7 +169,7 @@ impl<F: Fn(f64, f64) -> f32> Kernel for AlongRow<'_, F> {
     type Output = u64;
 
     #[inline(always)]
-    fn run(self) -> u64 {
+    fn run<L: Lanes>(self, _: L) -> u64 {
         let Self { us, v, out, function } = self;
         let mut count = 0;
         for (out, &u) in out.iter_mut().zip(us) {
@@ -201,7 +201,7 @@ impl Kernel for Select<'_> {
     type Output = u64;
 
     #[inline(always)]
-    fn run(self) -> u64 {
+    fn run<L: Lanes>(self, _: L) -> u64 {
         let Self { mask, a, b, out } = self;
         for (out, (&mask, (&a, &b))) in out.iter_mut().zip(mask.iter().zip(a.iter().zip(b))) {
             *out = chosen(mask, a, b);

@@ -9,11 +9,9 @@ mod rows;
 mod value;
 
 pub use super::metric::Metric;
-#[cfg_attr(not(test), expect(unused_imports, reason = "for fields at general positions, to come"))]
 pub(super) use points::feature_points;
 pub(super) use points::{Query, feature_at};
 pub(super) use rows::DistanceRows;
-#[cfg_attr(not(test), expect(unused_imports, reason = "for fields at general positions, to come"))]
 pub(super) use value::value_points;
 pub(super) use value::{ValueRows, Values};
 

@@ -6,7 +6,7 @@ use super::{
     nearest::{self, BLOCKS, LANES, Place, Places},
 };
 use crate::noise::{
-    Isa, Kernel,
+    Isa, Kernel, Lanes,
     cells::Lattice,
     metric::{Measure, Measured},
 };
@@ -49,7 +49,6 @@ pub(in crate::noise) fn feature_at(metric: Metric, feature: Feature, lattice: &L
 }
 
 /// The feature at the points (us, vs).
-#[cfg_attr(not(test), expect(dead_code, reason = "for fields at general positions, to come"))]
 pub(in crate::noise) fn feature_points(query: &Query, us: &[f64], vs: &[f64], out: &mut [f32]) {
     struct Points<'a>(&'a Query, &'a [f64], &'a [f64], &'a mut [f32]);
     impl Measured for Points<'_> {
@@ -80,7 +79,7 @@ impl<M: Measure, const K: usize> Kernel for FillPoints<'_, M, K> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<L: Lanes>(self, _: L) {
         let Self { query, measure, us, vs, out } = self;
         let lattice = &query.lattice;
         let mut places = [Places::NONE; BLOCKS];

@@ -5,8 +5,8 @@ use super::{
     points::{Query, TOGETHER, fill_places},
 };
 use crate::noise::{
-    Kernel,
-    cells::{Columns, Fade, RowCache, Run},
+    Kernel, Lanes,
+    cells::{Columns, RowCache, Run},
     hash,
     metric::{Measure, Measured, larger, smaller},
 };
@@ -32,7 +32,7 @@ enum Cells {
 
 impl DistanceRows {
     pub(in crate::noise) fn new(query: Query, coordinates: &[f64]) -> Self {
-        let columns = Columns::new(&query.lattice, Fade::None, coordinates, HALO, HALO);
+        let columns = Columns::new(&query.lattice, coordinates, HALO, HALO);
         let cells = if coordinates.len() >= WIDE * columns.runs.len() {
             let nodes = columns.keys.len();
             let cells = columns.runs.iter().map(|run| query.lattice.locate(0, coordinates[run.start]).cell).collect();
@@ -89,7 +89,7 @@ impl<M: Measure, const K: usize> Kernel for FillRow<'_, M, K> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<L: Lanes>(self, _: L) {
         let Self { rows, measure, start, out } = self;
         match &rows.cells {
             Cells::Wide(wide) => {

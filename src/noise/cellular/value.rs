@@ -5,8 +5,8 @@
 
 use super::nearest::LANES;
 use crate::noise::{
-    Isa, Kernel,
-    cells::{Columns, Fade, Lattice, RowCache},
+    Isa, Kernel, Lanes,
+    cells::{Columns, Lattice, RowCache},
     hash,
 };
 
@@ -72,7 +72,6 @@ impl Values {
 }
 
 /// The values at the points (us, vs).
-#[cfg_attr(not(test), expect(dead_code, reason = "for fields at general positions, to come"))]
 pub(in crate::noise) fn value_points(isa: Isa, values: &Values, us: &[f64], vs: &[f64], out: &mut [f32]) {
     isa.run(FillPoints { values, us, vs, out });
 }
@@ -89,7 +88,7 @@ impl Kernel for FillPoints<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<L: Lanes>(self, _: L) {
         let lattice = &self.values.lattice;
         let (mut cells, mut fractions) = ([[0; LANES]; 2], [[0.0; LANES]; 2]);
         for ((us, vs), out) in self.us.chunks(LANES).zip(self.vs.chunks(LANES)).zip(self.out.chunks_mut(LANES)) {
@@ -149,7 +148,7 @@ struct Wide {
 
 impl ValueRows {
     pub(in crate::noise) fn new(isa: Isa, values: Values, coordinates: &[f64]) -> Self {
-        let columns = Columns::new(&values.lattice, Fade::None, coordinates, 1, 1);
+        let columns = Columns::new(&values.lattice, coordinates, 1, 1);
         let cells = if coordinates.len() >= WIDE * columns.runs.len() {
             let nodes = columns.keys.len();
             Cells::Wide(Wide { columns, values: RowCache::new(3, || vec![0.0; nodes]), line: vec![0.0; nodes] })
@@ -194,7 +193,7 @@ impl Kernel for FillRow<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<L: Lanes>(self, _: L) {
         let Self { rows, start, out } = self;
         let end = start + out.len();
         match &rows.cells {

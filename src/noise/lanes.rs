@@ -1,0 +1,288 @@
+//! Vectors of an instruction set's own width, as kernels see them.
+//!
+//! Every operation is one IEEE operation or one integer operation a lane, so a kernel's results do not depend on the width. [`Plain`] is written with arrays
+//! and works everywhere; of width one it turns a kernel into the plain form for a single point.
+
+use core::ops::{Add, BitAnd, BitOr, BitXor, Mul, Sub};
+
+/// A token of an instruction set: who holds it may use the set's vectors.
+///
+/// Whatever takes a token must be `#[inline(always)]`: what is not inlined is compiled for the baseline.
+pub trait Lanes: Copy {
+    /// Lanes of a vector of floats.
+    const WIDTH: usize;
+    /// `WIDTH` f32.
+    type Floats: Copy + Add<Output = Self::Floats> + Sub<Output = Self::Floats> + Mul<Output = Self::Floats>;
+    /// `WIDTH` u32; sums and products wrap.
+    type Words: Copy
+        + Add<Output = Self::Words>
+        + Sub<Output = Self::Words>
+        + Mul<Output = Self::Words>
+        + BitAnd<Output = Self::Words>
+        + BitOr<Output = Self::Words>
+        + BitXor<Output = Self::Words>;
+    /// `WIDTH` f64.
+    type Doubles: Copy + Add<Output = Self::Doubles> + Sub<Output = Self::Doubles> + Mul<Output = Self::Doubles>;
+
+    /// One value in every lane.
+    fn splat(self, value: f32) -> Self::Floats;
+    /// The first `WIDTH` values of a slice that has as many.
+    fn load(self, from: &[f32]) -> Self::Floats;
+    /// Writes the first `WIDTH` values of a slice that has as many.
+    fn store(self, values: Self::Floats, to: &mut [f32]);
+    /// One word in every lane.
+    fn splat_words(self, value: u32) -> Self::Words;
+    /// The first `WIDTH` words of a slice that has as many.
+    fn load_words(self, from: &[u32]) -> Self::Words;
+    /// Writes the first `WIDTH` words of a slice that has as many.
+    fn store_words(self, values: Self::Words, to: &mut [u32]);
+    /// One value in every lane.
+    fn splat_doubles(self, value: f64) -> Self::Doubles;
+    /// The first `WIDTH` values of a slice that has as many.
+    fn load_doubles(self, from: &[f64]) -> Self::Doubles;
+
+    /// |a|.
+    fn abs(self, a: Self::Floats) -> Self::Floats;
+    /// √a, rounded to nearest.
+    fn sqrt(self, a: Self::Floats) -> Self::Floats;
+    /// b < a ? b : a.
+    fn smaller(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
+    /// b > a ? b : a.
+    fn larger(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
+    /// a < b ? yes : no.
+    fn where_less(self, a: Self::Floats, b: Self::Floats, yes: Self::Floats, no: Self::Floats) -> Self::Floats;
+    /// The bits of floats.
+    fn to_words(self, a: Self::Floats) -> Self::Words;
+    /// The floats of bits.
+    fn from_words(self, a: Self::Words) -> Self::Floats;
+    /// Bits moved up.
+    fn shl<const N: u32>(self, a: Self::Words) -> Self::Words;
+    /// Bits moved down, zeros following.
+    fn shr<const N: u32>(self, a: Self::Words) -> Self::Words;
+    /// Bits moved down, the top bit following.
+    fn sar<const N: u32>(self, a: Self::Words) -> Self::Words;
+    /// The whole part of a value in 0 … 2^31; any word for another value.
+    fn truncate(self, a: Self::Floats) -> Self::Words;
+    /// The float of a word below 2^24.
+    fn convert(self, a: Self::Words) -> Self::Floats;
+
+    /// For each lane the value of the first `WIDTH` of a slice that its word, taken modulo `WIDTH`, names.
+    fn permute(self, from: &[f32], index: Self::Words) -> Self::Floats;
+    /// For each lane the value that its word's low three bits name.
+    fn lookup8(self, table: &[f32; 8], index: Self::Words) -> Self::Floats;
+    /// For each lane the value that its word's low four bits name.
+    fn lookup16(self, table: &[f32; 16], index: Self::Words) -> Self::Floats;
+    /// For each lane the bytes of two tables, each as the top byte of a float whose other bytes are zero, that the word's high half times 12 / 2^16 names.
+    fn twelfths(self, tables: &[[u8; 16]; 2], hash: Self::Words) -> [Self::Floats; 2];
+
+    /// The greatest whole number that is not greater.
+    fn floor(self, a: Self::Doubles) -> Self::Doubles;
+    /// The nearest floats.
+    fn round(self, a: Self::Doubles) -> Self::Floats;
+    /// The low and the high words of whole numbers below 2^51 as 64-bit integers.
+    fn whole_words(self, a: Self::Doubles) -> [Self::Words; 2];
+}
+
+/// At 3 · 2^51 the spacing of f64 is 1: a whole number below 2^51 that is added to it stands in the low bits.
+pub(super) const WHOLE: f64 = 6_755_399_441_055_744.0;
+/// The high word of [`WHOLE`]; its low word is zero.
+pub(super) const WHOLE_HIGH: u32 = 0x4338_0000;
+
+/// Vectors as arrays of N.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plain<const N: usize>;
+
+/// N values.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Array<T, const N: usize>(pub [T; N]);
+
+macro_rules! array_operator {
+    ($operator:ident, $method:ident, $type:ty, |$a:ident, $b:ident| $value:expr) => {
+        impl<const N: usize> $operator for Array<$type, N> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Array(core::array::from_fn(|i| {
+                    let ($a, $b) = (self.0[i], other.0[i]);
+                    $value
+                }))
+            }
+        }
+    };
+}
+
+array_operator!(Add, add, f32, |a, b| a + b);
+array_operator!(Sub, sub, f32, |a, b| a - b);
+array_operator!(Mul, mul, f32, |a, b| a * b);
+array_operator!(Add, add, f64, |a, b| a + b);
+array_operator!(Sub, sub, f64, |a, b| a - b);
+array_operator!(Mul, mul, f64, |a, b| a * b);
+array_operator!(Add, add, u32, |a, b| a.wrapping_add(b));
+array_operator!(Sub, sub, u32, |a, b| a.wrapping_sub(b));
+array_operator!(Mul, mul, u32, |a, b| a.wrapping_mul(b));
+array_operator!(BitAnd, bitand, u32, |a, b| a & b);
+array_operator!(BitOr, bitor, u32, |a, b| a | b);
+array_operator!(BitXor, bitxor, u32, |a, b| a ^ b);
+
+impl<T: Copy, const N: usize> Array<T, N> {
+    #[inline(always)]
+    fn map<U>(self, function: impl Fn(T) -> U) -> Array<U, N> {
+        Array(core::array::from_fn(|i| function(self.0[i])))
+    }
+
+    #[inline(always)]
+    fn zip<U>(self, other: Self, function: impl Fn(T, T) -> U) -> Array<U, N> {
+        Array(core::array::from_fn(|i| function(self.0[i], other.0[i])))
+    }
+
+    #[inline(always)]
+    fn read(from: &[T]) -> Self {
+        let from = &from[..N];
+        Array(core::array::from_fn(|i| from[i]))
+    }
+}
+
+impl<const N: usize> Lanes for Plain<N> {
+    const WIDTH: usize = N;
+    type Floats = Array<f32, N>;
+    type Words = Array<u32, N>;
+    type Doubles = Array<f64, N>;
+
+    #[inline(always)]
+    fn splat(self, value: f32) -> Self::Floats {
+        Array([value; N])
+    }
+
+    #[inline(always)]
+    fn load(self, from: &[f32]) -> Self::Floats {
+        Array::read(from)
+    }
+
+    #[inline(always)]
+    fn store(self, values: Self::Floats, to: &mut [f32]) {
+        to[..N].copy_from_slice(&values.0);
+    }
+
+    #[inline(always)]
+    fn splat_words(self, value: u32) -> Self::Words {
+        Array([value; N])
+    }
+
+    #[inline(always)]
+    fn load_words(self, from: &[u32]) -> Self::Words {
+        Array::read(from)
+    }
+
+    #[inline(always)]
+    fn store_words(self, values: Self::Words, to: &mut [u32]) {
+        to[..N].copy_from_slice(&values.0);
+    }
+
+    #[inline(always)]
+    fn splat_doubles(self, value: f64) -> Self::Doubles {
+        Array([value; N])
+    }
+
+    #[inline(always)]
+    fn load_doubles(self, from: &[f64]) -> Self::Doubles {
+        Array::read(from)
+    }
+
+    #[inline(always)]
+    fn abs(self, a: Self::Floats) -> Self::Floats {
+        a.map(f32::abs)
+    }
+
+    #[inline(always)]
+    fn sqrt(self, a: Self::Floats) -> Self::Floats {
+        a.map(f32::sqrt)
+    }
+
+    #[inline(always)]
+    fn smaller(self, a: Self::Floats, b: Self::Floats) -> Self::Floats {
+        a.zip(b, |a, b| if b < a { b } else { a })
+    }
+
+    #[inline(always)]
+    fn larger(self, a: Self::Floats, b: Self::Floats) -> Self::Floats {
+        a.zip(b, |a, b| if b > a { b } else { a })
+    }
+
+    #[inline(always)]
+    fn where_less(self, a: Self::Floats, b: Self::Floats, yes: Self::Floats, no: Self::Floats) -> Self::Floats {
+        Array(core::array::from_fn(|i| if a.0[i] < b.0[i] { yes.0[i] } else { no.0[i] }))
+    }
+
+    #[inline(always)]
+    fn to_words(self, a: Self::Floats) -> Self::Words {
+        a.map(f32::to_bits)
+    }
+
+    #[inline(always)]
+    fn from_words(self, a: Self::Words) -> Self::Floats {
+        a.map(f32::from_bits)
+    }
+
+    #[inline(always)]
+    fn shl<const BITS: u32>(self, a: Self::Words) -> Self::Words {
+        a.map(|a| a << BITS)
+    }
+
+    #[inline(always)]
+    fn shr<const BITS: u32>(self, a: Self::Words) -> Self::Words {
+        a.map(|a| a >> BITS)
+    }
+
+    #[inline(always)]
+    fn sar<const BITS: u32>(self, a: Self::Words) -> Self::Words {
+        a.map(|a| (a as i32 >> BITS) as u32)
+    }
+
+    #[inline(always)]
+    fn truncate(self, a: Self::Floats) -> Self::Words {
+        a.map(|a| a as i32 as u32)
+    }
+
+    #[inline(always)]
+    fn convert(self, a: Self::Words) -> Self::Floats {
+        a.map(|a| a as i32 as f32)
+    }
+
+    #[inline(always)]
+    fn permute(self, from: &[f32], index: Self::Words) -> Self::Floats {
+        let from = &from[..N];
+        index.map(|index| from[index as usize % N])
+    }
+
+    #[inline(always)]
+    fn lookup8(self, table: &[f32; 8], index: Self::Words) -> Self::Floats {
+        index.map(|index| table[(index & 7) as usize])
+    }
+
+    #[inline(always)]
+    fn lookup16(self, table: &[f32; 16], index: Self::Words) -> Self::Floats {
+        index.map(|index| table[(index & 15) as usize])
+    }
+
+    #[inline(always)]
+    fn twelfths(self, tables: &[[u8; 16]; 2], hash: Self::Words) -> [Self::Floats; 2] {
+        tables.map(|table| hash.map(|hash| f32::from_bits(u32::from(table[(((hash >> 16) * 12) >> 16) as usize]) << 24)))
+    }
+
+    #[inline(always)]
+    fn floor(self, a: Self::Doubles) -> Self::Doubles {
+        a.map(f64::floor)
+    }
+
+    #[inline(always)]
+    fn round(self, a: Self::Doubles) -> Self::Floats {
+        a.map(|a| a as f32)
+    }
+
+    #[inline(always)]
+    fn whole_words(self, a: Self::Doubles) -> [Self::Words; 2] {
+        let bits = a.map(|a| (a + WHOLE).to_bits());
+        [bits.map(|bits| bits as u32), bits.map(|bits| ((bits >> 32) as u32).wrapping_sub(WHOLE_HIGH))]
+    }
+}

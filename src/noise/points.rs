@@ -1,0 +1,278 @@
+//! Fields at positions of any order, as warped coordinates are, and their slopes.
+
+use super::{
+    Basis, Field, Isa, Kernel, Lanes,
+    aligned::AlignedArray,
+    fractal::{Step, with_step},
+    gradient::{Blender, IPerlin, Noise, OPerlin},
+    lanes::Plain,
+    number::{Dual, Number, Real},
+    rows::add,
+};
+
+impl Basis {
+    /// Whether fields of it have slopes: where it is gradient noise.
+    #[must_use]
+    pub fn has_slopes(self) -> bool {
+        matches!(self, Basis::OPerlin | Basis::IPerlin | Basis::Blender)
+    }
+}
+
+impl Field {
+    /// Writes the values at positions, the same bits as [`Field::at`].
+    ///
+    /// # Panics
+    /// If the slices' lengths differ.
+    pub fn points(&self, isa: Isa, us: &[f64], vs: &[f64], out: &mut [f32]) {
+        assert!(us.len() == out.len() && vs.len() == out.len(), "{} and {} coordinates for {} values", us.len(), vs.len(), out.len());
+        match self.basis {
+            Basis::OPerlin => isa.run(Points { field: self, noise: OPerlin, us, vs, out }),
+            Basis::IPerlin => isa.run(Points { field: self, noise: IPerlin, us, vs, out }),
+            Basis::Blender => isa.run(Points { field: self, noise: Blender, us, vs, out }),
+            _ => isa.run(CellularPoints { field: self, isa, us, vs, out }),
+        }
+    }
+
+    /// How fast the value grows along u and along v, a programme unit; zero without slopes. Where a step clamps, it has none.
+    #[must_use]
+    pub fn slopes_at(&self, u: f64, v: f64) -> [f32; 2] {
+        let dual = match self.basis {
+            Basis::OPerlin => self.dual_at(OPerlin, u, v),
+            Basis::IPerlin => self.dual_at(IPerlin, u, v),
+            Basis::Blender => self.dual_at(Blender, u, v),
+            _ => return [0.0; 2],
+        };
+        dual.slopes.map(|slope| slope.0[0])
+    }
+
+    fn dual_at<N: Noise>(&self, _: N, u: f64, v: f64) -> Dual<Plain<1>> {
+        let one = Plain::<1>;
+        let mut state = self.before(one);
+        for octave in &self.octaves {
+            let (x, y) = (octave.lattice.axis_at(one, N::FADE, 0, u), octave.lattice.axis_at(one, N::FADE, 1, v));
+            let dual = N::dual(one, one.splat(N::scale() * octave.amplitude), &x, &y);
+            let noise = per_unit(one, dual, octave.lattice.frequency);
+            state = with_step!(&octave.step, step => step.after(one, noise, state));
+        }
+        self.after(one, state)
+    }
+
+    /// Writes the slopes at positions, the same bits as [`Field::slopes_at`].
+    ///
+    /// # Panics
+    /// If the slices' lengths differ.
+    pub fn slope_points(&self, isa: Isa, us: &[f64], vs: &[f64], du: &mut [f32], dv: &mut [f32]) {
+        let lengths = [us.len(), vs.len(), du.len(), dv.len()];
+        assert!(lengths.iter().all(|&length| length == lengths[0]), "slices of {lengths:?}");
+        match self.basis {
+            Basis::OPerlin => isa.run(Slopes { field: self, noise: OPerlin, us, vs, du, dv }),
+            Basis::IPerlin => isa.run(Slopes { field: self, noise: IPerlin, us, vs, du, dv }),
+            Basis::Blender => isa.run(Slopes { field: self, noise: Blender, us, vs, du, dv }),
+            _ => {
+                du.fill(0.0);
+                dv.fill(0.0);
+            }
+        }
+    }
+}
+
+/// Slopes a cell, times `frequency` cells a unit.
+#[inline(always)]
+fn per_unit<L: Lanes>(lanes: L, dual: Dual<L>, frequency: f64) -> Dual<L> {
+    let frequency = lanes.splat(frequency as f32);
+    Dual { value: dual.value, slopes: [dual.slopes[0] * frequency, dual.slopes[1] * frequency] }
+}
+
+/// Positions that are looked at together for how far they lie.
+const BLOCK: usize = 256;
+
+/// How far a block lies from the origin.
+#[derive(Clone, Copy, PartialEq)]
+enum Reach {
+    /// Cells' numbers fit 32 bits.
+    Near,
+    /// They fit 52 bits.
+    Middle,
+    /// Or not, or there is no such place.
+    Far,
+}
+
+impl Reach {
+    #[inline(always)]
+    fn of(field: &Field, us: &[f64], vs: &[f64]) -> Self {
+        // What is not a number is not smaller either.
+        let greatest = us.iter().chain(vs).fold(0.0_f64, |greatest, c| if c.abs() <= greatest { greatest } else { c.abs() });
+        let finite = us.iter().chain(vs).all(|c| c.is_finite());
+        if finite && field.octaves.iter().all(|octave| octave.lattice.is_near(greatest)) {
+            Reach::Near
+        } else if finite && field.octaves.iter().all(|octave| octave.lattice.holds(greatest)) {
+            Reach::Middle
+        } else {
+            Reach::Far
+        }
+    }
+}
+
+/// A vector of positions through all octaves.
+#[inline(always)]
+fn through<L: Lanes, M: Number<L>, const NEAR: bool>(lanes: L, field: &Field, u: L::Doubles, v: L::Doubles, noise: impl NoiseOf<L, M>) -> M {
+    let mut state = field.before(lanes);
+    for octave in &field.octaves {
+        let n = noise.of::<NEAR>(lanes, octave, u, v);
+        state = with_step!(&octave.step, step => step.after(lanes, n, state));
+    }
+    field.after(lanes, state)
+}
+
+/// An octave's noise as values or with slopes.
+trait NoiseOf<L: Lanes, M> {
+    fn of<const NEAR: bool>(&self, lanes: L, octave: &super::field::Octave, u: L::Doubles, v: L::Doubles) -> M;
+}
+
+impl<L: Lanes, N: Noise> NoiseOf<L, Real<L>> for N {
+    #[inline(always)]
+    fn of<const NEAR: bool>(&self, lanes: L, octave: &super::field::Octave, u: L::Doubles, v: L::Doubles) -> Real<L> {
+        let lattice = &octave.lattice;
+        let (x, y) = (lattice.axis::<L, NEAR>(lanes, N::FADE, 0, u), lattice.axis::<L, NEAR>(lanes, N::FADE, 1, v));
+        Real(N::value(lanes, lanes.splat(N::scale() * octave.amplitude), &x, &y))
+    }
+}
+
+impl<L: Lanes, N: Noise> NoiseOf<L, Dual<L>> for N {
+    #[inline(always)]
+    fn of<const NEAR: bool>(&self, lanes: L, octave: &super::field::Octave, u: L::Doubles, v: L::Doubles) -> Dual<L> {
+        let lattice = &octave.lattice;
+        let (x, y) = (lattice.axis::<L, NEAR>(lanes, N::FADE, 0, u), lattice.axis::<L, NEAR>(lanes, N::FADE, 1, v));
+        per_unit(lanes, N::dual(lanes, lanes.splat(N::scale() * octave.amplitude), &x, &y), lattice.frequency)
+    }
+}
+
+/// A vector of coordinates, of which the last is repeated where there are fewer.
+#[inline(always)]
+fn load<L: Lanes>(lanes: L, from: &[f64]) -> L::Doubles {
+    if from.len() >= L::WIDTH {
+        return lanes.load_doubles(from);
+    }
+    let mut padded = [from[from.len() - 1]; 16];
+    padded[..from.len()].copy_from_slice(from);
+    lanes.load_doubles(&padded)
+}
+
+/// Writes as many values as there is room for.
+#[inline(always)]
+fn store<L: Lanes>(lanes: L, values: L::Floats, to: &mut [f32]) {
+    if to.len() >= L::WIDTH {
+        return lanes.store(values, to);
+    }
+    let mut padded = [0.0; 16];
+    lanes.store(values, &mut padded);
+    let count = to.len();
+    to.copy_from_slice(&padded[..count]);
+}
+
+/// [`Field::points`].
+struct Points<'a, N> {
+    field: &'a Field,
+    noise: N,
+    us: &'a [f64],
+    vs: &'a [f64],
+    out: &'a mut [f32],
+}
+
+impl<N: Noise> Kernel for Points<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        let Self { field, noise, us, vs, out } = self;
+        for ((us, vs), out) in us.chunks(BLOCK).zip(vs.chunks(BLOCK)).zip(out.chunks_mut(BLOCK)) {
+            let vectors = us.chunks(L::WIDTH).zip(vs.chunks(L::WIDTH));
+            match Reach::of(field, us, vs) {
+                Reach::Near => {
+                    for ((us, vs), out) in vectors.zip(out.chunks_mut(L::WIDTH)) {
+                        let value: Real<L> = through::<_, _, true>(lanes, field, load(lanes, us), load(lanes, vs), noise);
+                        store(lanes, value.0, out);
+                    }
+                }
+                Reach::Middle => {
+                    for ((us, vs), out) in vectors.zip(out.chunks_mut(L::WIDTH)) {
+                        let value: Real<L> = through::<_, _, false>(lanes, field, load(lanes, us), load(lanes, vs), noise);
+                        store(lanes, value.0, out);
+                    }
+                }
+                Reach::Far => out.iter_mut().zip(us.iter().zip(vs)).for_each(|(out, (&u, &v))| *out = field.at(u, v)),
+            }
+        }
+    }
+}
+
+/// [`Field::points`] of cellular noise: each octave is written to a buffer, from where its step takes it.
+struct CellularPoints<'a> {
+    field: &'a Field,
+    isa: Isa,
+    us: &'a [f64],
+    vs: &'a [f64],
+    out: &'a mut [f32],
+}
+
+impl Kernel for CellularPoints<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        let Self { field, isa, us, vs, out } = self;
+        for ((us, vs), out) in us.chunks(BLOCK).zip(vs.chunks(BLOCK)).zip(out.chunks_mut(BLOCK)) {
+            let (mut noise, mut openings) = (AlignedArray([0.0; BLOCK]), AlignedArray([1.0; BLOCK]));
+            let mut values = AlignedArray([field.start; BLOCK]);
+            for octave in &field.octaves {
+                field.basis.cellular_points(isa, octave, us, vs, &mut noise.0[..us.len()]);
+                let amplitude = lanes.splat(octave.amplitude);
+                let states = values.0.chunks_exact_mut(L::WIDTH).zip(openings.0.chunks_exact_mut(L::WIDTH));
+                with_step!(&octave.step, step => for (noise, (value, opening)) in noise.0.chunks_exact(L::WIDTH).zip(states) {
+                    add(lanes, *step, amplitude * lanes.load(noise), value, opening);
+                });
+            }
+            if let Some(tail) = &field.tail {
+                for (value, opening) in values.0.chunks_exact_mut(L::WIDTH).zip(openings.0.chunks_exact(L::WIDTH)) {
+                    let sum = lanes.load(value) + Real(lanes.load(opening)).interpolated(lanes, tail).0;
+                    lanes.store(sum, value);
+                }
+            }
+            out.copy_from_slice(&values.0[..us.len()]);
+        }
+    }
+}
+
+/// [`Field::slope_points`].
+struct Slopes<'a, N> {
+    field: &'a Field,
+    noise: N,
+    us: &'a [f64],
+    vs: &'a [f64],
+    du: &'a mut [f32],
+    dv: &'a mut [f32],
+}
+
+impl<N: Noise> Kernel for Slopes<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        let Self { field, noise, us, vs, du, dv } = self;
+        let blocks = us.chunks(BLOCK).zip(vs.chunks(BLOCK)).zip(du.chunks_mut(BLOCK).zip(dv.chunks_mut(BLOCK)));
+        for ((us, vs), (du, dv)) in blocks {
+            if Reach::of(field, us, vs) == Reach::Far {
+                for ((&u, &v), (du, dv)) in us.iter().zip(vs).zip(du.iter_mut().zip(dv)) {
+                    [*du, *dv] = field.slopes_at(u, v);
+                }
+                continue;
+            }
+            let vectors = us.chunks(L::WIDTH).zip(vs.chunks(L::WIDTH)).zip(du.chunks_mut(L::WIDTH).zip(dv.chunks_mut(L::WIDTH)));
+            for ((us, vs), (du, dv)) in vectors {
+                let dual: Dual<L> = through::<_, _, false>(lanes, field, load(lanes, us), load(lanes, vs), noise);
+                store(lanes, dual.slopes[0], du);
+                store(lanes, dual.slopes[1], dv);
+            }
+        }
+    }
+}
