@@ -8,7 +8,7 @@ use noise::{MultiFractal, NoiseFn};
 use std::{hint::black_box, time::Duration};
 use terrane::{
     geometry::{Filter, Grid, Samples, Tile, Window},
-    noise::{Basis, Field, FieldShape, Metric},
+    noise::{Basis, Feature, Field, FieldShape, Metric},
     programme::{Frame, Programme, Tape, reference},
     tile::{TileRequest, Tileset, render},
     world::{Document, EXAMPLES, World},
@@ -77,7 +77,7 @@ fn fields(c: &mut Criterion) {
     ours(c, "fbm 8", "fbm(1, 2, 8, basis=i_perlin)", FieldShape::Fbm { h, lacunarity, octaves }, Basis::IPerlin);
     let ridged = FieldShape::Ridged { h, lacunarity, octaves, offset: 1.0, gain: 2.0 };
     ours(c, "ridged 8", "ridged_multifractal(1, 2, 8, 1, 2, basis=i_perlin)", ridged, Basis::IPerlin);
-    ours(c, "cellular F1", "voronoi_f1", FieldShape::Single, Basis::Voronoi { order: 1, metric: Metric::Distance });
+    ours(c, "cellular F1", "voronoi_f1", FieldShape::Single, Basis::Voronoi { feature: Feature::F1, metric: Metric::Distance });
 }
 
 /// Milliseconds of a 256-pixel terrarium tile of every example world, evaluated and encoded.

@@ -459,7 +459,12 @@ mod tests {
     #[test]
     fn the_mean_stays_from_level_to_level() {
         for shape in SHAPES {
-            for basis in [Basis::OPerlin, Basis::IPerlin, Basis::CellNoise, Basis::Voronoi { feature: crate::noise::Feature::F1, metric: crate::noise::Metric::Distance }] {
+            for basis in [
+                Basis::OPerlin,
+                Basis::IPerlin,
+                Basis::CellNoise,
+                Basis::Voronoi { feature: crate::noise::Feature::F1, metric: crate::noise::Metric::Distance },
+            ] {
                 let means: Vec<f64> = (0..9).map(|level| mean_at(shape, basis, 0.02 * f64::from(1 << level))).collect();
                 let amplitude = 1.0;
                 for (level, pair) in means.windows(2).enumerate() {

@@ -16,7 +16,7 @@ fn value(hash: u32) -> f32 {
     (hash >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// How much of a square around a sample lies beyond the nearer side of its cell, along one axis; 1/s in, which is infinite for a sample that is a point.
+/// How much of a square around a sample lies beyond the nearer side of its cell, along one axis. `per_extent` is 1/s: infinite for a sample that is a point.
 #[inline(always)]
 fn beyond(per_extent: f32, fraction: f32) -> f32 {
     let margin = if fraction < 0.5 { fraction } else { 1.0 - fraction };
