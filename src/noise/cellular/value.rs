@@ -3,7 +3,7 @@
 //! A sample that stands for a square of side s < 1 cells has the square's mean, exactly: the square covers up to 2 × 2 cells, and its parts beyond the nearer side
 //! of the sample's own column and row are (s/2 - m)/s, m the distance to that side.
 
-use super::nearest::LANES;
+use super::nearest::{self, LANES};
 use crate::noise::{
     Isa, Kernel,
     cells::{Columns, Fade, Lattice, RowCache},
@@ -93,12 +93,8 @@ impl Kernel for FillPoints<'_> {
         let lattice = &self.values.lattice;
         let (mut cells, mut fractions) = ([[0; LANES]; 2], [[0.0; LANES]; 2]);
         for ((us, vs), out) in self.us.chunks(LANES).zip(self.vs.chunks(LANES)).zip(self.out.chunks_mut(LANES)) {
-            for lane in 0..LANES {
-                let sample = lane.min(out.len() - 1);
-                let (column, row) = (lattice.locate(0, us[sample]), lattice.locate(1, vs[sample]));
-                (cells[0][lane], fractions[0][lane]) = (column.cell, column.fraction as f32);
-                (cells[1][lane], fractions[1][lane]) = (row.cell, row.fraction as f32);
-            }
+            (cells[0], fractions[0]) = nearest::locate(lattice, 0, us);
+            (cells[1], fractions[1]) = nearest::locate(lattice, 1, vs);
             fill(self.values, &cells, &fractions, out);
         }
     }
