@@ -5,6 +5,7 @@
 //! least of the measures depends neither on these nor on the order that they come in, they find the same.
 
 use crate::noise::{
+    cells::Lattice,
     hash,
     metric::{Measure, larger, smaller},
 };
@@ -83,6 +84,18 @@ pub(super) const LANES: usize = 32;
 
 /// What each of the samples has of something.
 pub(super) type Lanes<T> = [T; LANES];
+
+/// Cells and fractions of up to `LANES` coordinates along one axis.
+#[inline(always)]
+pub(super) fn locate(lattice: &Lattice, axis: usize, coordinates: &[f64]) -> (Lanes<i64>, Lanes<f32>) {
+    let (mut all, mut cells, mut fractions) = ([0.0; LANES], [0; LANES], [0.0; LANES]);
+    all[..coordinates.len()].copy_from_slice(coordinates);
+    for lane in 0..LANES {
+        let position = lattice.locate(axis, all[lane]);
+        (cells[lane], fractions[lane]) = (position.cell, position.fraction as f32);
+    }
+    (cells, fractions)
+}
 
 /// The places of some samples.
 #[derive(Clone, Copy)]

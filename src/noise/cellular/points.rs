@@ -85,10 +85,8 @@ impl<M: Measure, const K: usize> Kernel for FillPoints<'_, M, K> {
         let mut places = [Places::NONE; BLOCKS];
         for ((us, vs), out) in us.chunks(TOGETHER).zip(vs.chunks(TOGETHER)).zip(out.chunks_mut(TOGETHER)) {
             for (places, (us, vs)) in places.iter_mut().zip(us.chunks(LANES).zip(vs.chunks(LANES))) {
-                for (lane, (&u, &v)) in us.iter().zip(vs).enumerate() {
-                    let (column, row) = (lattice.locate(0, u), lattice.locate(1, v));
-                    places.set(lane, Place { cell: [column.cell, row.cell], fraction: [column.fraction as f32, row.fraction as f32] });
-                }
+                (places.columns, places.fx) = nearest::locate(lattice, 0, us);
+                (places.rows, places.fy) = nearest::locate(lattice, 1, vs);
             }
             fill_places::<M, K>(query, measure, &places, out);
         }

@@ -12,7 +12,7 @@ use crate::noise::{
 };
 
 /// Fewest samples a cell, on average, for which a loop over each cell's samples is worth its beginning.
-const WIDE: usize = 8;
+const WIDE: usize = 12;
 
 /// Distances along the rows of a window.
 pub(in crate::noise) struct DistanceRows {

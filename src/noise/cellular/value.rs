@@ -3,7 +3,7 @@
 //! A sample that stands for a square of side s < 1 cells has the square's mean, exactly: the square covers up to 2 × 2 cells, and its parts beyond the nearer side
 //! of the sample's own column and row are (s/2 - m)/s, m the distance to that side.
 
-use super::nearest::LANES;
+use super::nearest::{self, LANES};
 use crate::noise::{
     Isa, Kernel, Lanes,
     cells::{Columns, Lattice, RowCache},
@@ -16,7 +16,7 @@ fn value(hash: u32) -> f32 {
     (hash >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// How much of a square around a sample lies beyond the nearer side of its cell, along one axis; 1/s in, which is infinite for a sample that is a point.
+/// How much of a square around a sample lies beyond the nearer side of its cell, along one axis. `per_extent` is 1/s: infinite for a sample that is a point.
 #[inline(always)]
 fn beyond(per_extent: f32, fraction: f32) -> f32 {
     let margin = if fraction < 0.5 { fraction } else { 1.0 - fraction };
@@ -92,12 +92,8 @@ impl Kernel for FillPoints<'_> {
         let lattice = &self.values.lattice;
         let (mut cells, mut fractions) = ([[0; LANES]; 2], [[0.0; LANES]; 2]);
         for ((us, vs), out) in self.us.chunks(LANES).zip(self.vs.chunks(LANES)).zip(self.out.chunks_mut(LANES)) {
-            for lane in 0..LANES {
-                let sample = lane.min(out.len() - 1);
-                let (column, row) = (lattice.locate(0, us[sample]), lattice.locate(1, vs[sample]));
-                (cells[0][lane], fractions[0][lane]) = (column.cell, column.fraction as f32);
-                (cells[1][lane], fractions[1][lane]) = (row.cell, row.fraction as f32);
-            }
+            (cells[0], fractions[0]) = nearest::locate(lattice, 0, us);
+            (cells[1], fractions[1]) = nearest::locate(lattice, 1, vs);
             fill(self.values, &cells, &fractions, out);
         }
     }
