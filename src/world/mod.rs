@@ -4,6 +4,7 @@ mod document;
 mod evaluate;
 mod examples;
 mod fingerprint;
+mod shader;
 mod survey;
 
 pub use document::{Base, Document, DocumentError, ElevationRange, GENERATOR, Problem, Revision};

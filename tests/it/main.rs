@@ -8,5 +8,6 @@ mod golden;
 mod http;
 mod openapi;
 mod program;
+mod shader;
 mod tidy;
 mod writes;
