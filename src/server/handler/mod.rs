@@ -4,6 +4,7 @@ pub(super) mod catalog;
 pub(super) mod description;
 pub(super) mod elevation;
 pub(super) mod health;
+pub(super) mod shader;
 pub(super) mod tile;
 pub(super) mod viewer;
 pub(super) mod world;
