@@ -159,6 +159,9 @@ pub(super) fn table(index: usize, noise: &Noise, seed: u64) -> String {
 
 /// The function of a noise's value, or of its value and derivatives.
 pub(super) fn function(index: usize, noise: &Noise, voronoi: usize, slopes: bool) -> String {
+    if noise.shape == FieldShape::Single {
+        return single(index, noise.basis, voronoi, slopes);
+    }
     let (kind, zero, name) = if slopes { ("vec3<f32>", "vec3<f32>(0.0)", "_slopes") } else { ("f32", "0.0", "") };
     let (carried, steps) = if slopes { slope_steps(noise.shape) } else { value_steps(noise.shape) };
     let mut lines = vec![format!("    var value: {kind} = {zero};")];
@@ -170,6 +173,12 @@ pub(super) fn function(index: usize, noise: &Noise, voronoi: usize, slopes: bool
     lines.push(format!("        let n: {kind} = {};", octave_noise(noise.basis, voronoi, slopes)));
     lines.extend(steps.iter().map(|step| format!("        {step}")));
     format!("fn terrane_noise_{index}{name}(at: TerranePlace) -> {kind} {{\n{}\n    }}\n    return value;\n}}\n\n", lines.join("\n"))
+}
+
+fn single(index: usize, basis: Basis, voronoi: usize, slopes: bool) -> String {
+    let (kind, name) = if slopes { ("vec3<f32>", "_slopes") } else { ("f32", "") };
+    let value = octave_noise(basis, voronoi, slopes).replace("lattice", &format!("TERRANE_OCTAVES_{index}[0]"));
+    format!("fn terrane_noise_{index}{name}(at: TerranePlace) -> {kind} {{\n    return {value};\n}}\n\n")
 }
 
 /// The functions of the Voronoi noises among some bases, where they are called, and for every basis the number of its own.

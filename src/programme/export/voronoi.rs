@@ -98,6 +98,6 @@ mod tests {
         }
         assert_eq!([1, 2, 3, 4].map(|order| rings(Metric::Chebychev, order)), [1, 1, 2, 2]);
         assert_eq!([1, 2, 3, 4].map(|order| rings(Metric::Manhattan, order)), [2, 2, 3, 3]);
-        assert_eq!(rings(Metric::Minkowski { exponent: 0.5 }, 4), 6);
+        assert_eq!(rings(Metric::Minkowski { exponent: 0.5 }, 4), 5);
     }
 }
