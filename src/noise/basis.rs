@@ -68,7 +68,7 @@ impl BasisRows {
             Basis::OPerlin => BasisRows::OPerlin(GradientRows::new(lanes, lattice, amplitude, coordinates)),
             Basis::IPerlin => BasisRows::IPerlin(GradientRows::new(lanes, lattice, amplitude, coordinates)),
             Basis::Blender => BasisRows::Blender(GradientRows::new(lanes, lattice, amplitude, coordinates)),
-                        Basis::Voronoi { feature, metric } => {
+            Basis::Voronoi { feature, metric } => {
                 let query = Query { isa, metric, feature, lattice, extent };
                 BasisRows::Cellular(CellularRows::new(CellularKind::Distance(DistanceRows::new(query, coordinates)), coordinates), amplitude)
             }

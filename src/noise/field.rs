@@ -84,9 +84,7 @@ impl Field {
             FieldShape::Ridged { offset, gain, .. } => opening::ridged(basis, &parts, offset, gain, octave),
             FieldShape::Hybrid { offset, gain, .. } => opening::hybrid(basis, &parts, offset, gain, octave),
             FieldShape::Multifractal { .. } => Self::product(basis, &parts, octave, |_, w| (1.0, w)),
-            FieldShape::Hetero { offset, .. } => {
-                Self::product(basis, &parts, octave, |k, w| if k == 0 { (offset, w) } else { (1.0 + w * offset, w) })
-            }
+            FieldShape::Hetero { offset, .. } => Self::product(basis, &parts, octave, |k, w| if k == 0 { (offset, w) } else { (1.0 + w * offset, w) }),
             FieldShape::Turbulence { hard: true, .. } => Self::sum(basis, &parts, octave, AnyStep::AddAbsolute(AddAbsolute), moments.absolute, 1.0),
             FieldShape::Spectral { .. } => {
                 let total: f64 = parts.iter().map(|part| part.weight * part.share).sum();

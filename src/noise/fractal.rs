@@ -163,10 +163,7 @@ impl<S: Opening> Step for Part<S> {
         let open = self.step.opened(lanes, whole);
         let (left_out, left_open) = (before.opening.scaled(lanes, self.mean_signal), before.opening.interpolated(lanes, &self.mean_opening));
         let signal = left_out.plus(whole.minus(left_out).scaled(lanes, self.carried));
-        State {
-            value: before.value.plus(signal.scaled(lanes, self.step.weight())),
-            opening: left_open.plus(open.minus(left_open).scaled(lanes, self.carried)),
-        }
+        State { value: before.value.plus(signal.scaled(lanes, self.step.weight())), opening: left_open.plus(open.minus(left_open).scaled(lanes, self.carried)) }
     }
 }
 

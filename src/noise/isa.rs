@@ -3,9 +3,9 @@
 //! No kernel's result depends on the set: each arithmetic step is one IEEE operation in all of them, so wider registers change the time and no bit. A test runs
 //! every set that the machine has.
 
+use super::lanes::{Lanes, Plain};
 #[cfg(target_arch = "x86_64")]
 use super::x86::{Avx2, Avx512};
-use super::lanes::{Lanes, Plain};
 use std::sync::OnceLock;
 
 /// An instruction set that kernels are compiled for.

@@ -54,11 +54,7 @@ pub(super) fn ridged(basis: Basis, parts: &[Part], offset: f64, gain: f64, octav
     let step = |k: usize| {
         let signals = signals(k);
         let step = Ridge { offset: offset as f32, gain: gain as f32, weight: signals.weight as f32 };
-        if parts[k].carried >= 1.0 {
-            AnyStep::Ridge(Whole(step))
-        } else {
-            AnyStep::RidgePart(Box::new(part(step, &signals, parts[k].carried)))
-        }
+        if parts[k].carried >= 1.0 { AnyStep::Ridge(Whole(step)) } else { AnyStep::RidgePart(Box::new(part(step, &signals, parts[k].carried))) }
     };
     opened(basis, parts, signals, |k| octave(k, 1.0, step(k)))
 }

@@ -26,9 +26,9 @@ const PLACES: [(f64, f64); 8] = [(0.0, 0.0031), (-3.7, 0.11), (5.4e7, 0.013), (1
 fn fields() -> impl Iterator<Item = (Field, f64, f64)> {
     let shapes = SHAPES.into_iter().flat_map(|shape| bases().map(move |basis| (shape, basis)));
     shapes.flat_map(|(shape, basis)| {
-        PLACES.into_iter().flat_map(move |(origin, spacing)| {
-            [Field::exact(shape, basis, 99), Field::banded(shape, basis, 99, spacing)].map(|field| (field, origin, spacing))
-        })
+        PLACES
+            .into_iter()
+            .flat_map(move |(origin, spacing)| [Field::exact(shape, basis, 99), Field::banded(shape, basis, 99, spacing)].map(|field| (field, origin, spacing)))
     })
 }
 
@@ -70,7 +70,22 @@ fn general_positions_equal_points_bit_for_bit() {
 
 #[test]
 fn places_that_are_none_have_values_too() {
-    const STRANGE: [f64; 14] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, -0.0, 5e-324, -5e-324, 1e15, -1e18, 2_147_483_647.0, -2_147_483_649.0, 4_294_967_295.5, 1e-310];
+    const STRANGE: [f64; 14] = [
+        f64::NAN,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        1e300,
+        -1e300,
+        -0.0,
+        5e-324,
+        -5e-324,
+        1e15,
+        -1e18,
+        2_147_483_647.0,
+        -2_147_483_649.0,
+        4_294_967_295.5,
+        1e-310,
+    ];
     for shape in SHAPES {
         for basis in bases() {
             let field = Field::exact(shape, basis, 3);

@@ -34,7 +34,7 @@ pub(super) fn value(step: Step, [a, b, c]: [f32; 3], [u, v]: [f64; 2], prepared:
 }
 
 #[inline(always)]
-fn chosen(mask: f32, a: f32, b: f32) -> f32 {
+pub(super) fn chosen(mask: f32, a: f32, b: f32) -> f32 {
     if mask > 0.0 { a } else { b }
 }
 

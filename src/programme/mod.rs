@@ -17,6 +17,7 @@ mod cost;
 mod derivative;
 mod error;
 mod evaluate;
+mod export;
 mod graph;
 mod json;
 mod kernels;
@@ -38,6 +39,7 @@ mod text;
 
 pub use cost::COST_LIMIT_NS;
 pub use error::ParseError;
+pub use export::{Ground, MAX_SHADER_STEPS, SHADER_FORM, ShaderError, ShaderLanguage};
 pub use node::{Node, Value};
 pub use operation::{Binary, Operation, Parameter, Signature, Unary};
 pub use reference::Reference;

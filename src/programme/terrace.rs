@@ -5,8 +5,8 @@ use super::graph::Exact;
 /// What turns a height into steps: n a unit; the riser takes the last 1 - sharpness of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Terrace {
-    n: Exact,
-    sharpness: Exact,
+    pub(super) n: Exact,
+    pub(super) sharpness: Exact,
 }
 
 impl Terrace {

@@ -3,7 +3,7 @@
 use super::{
     compute::panic_message,
     error::ApiError,
-    handler::{catalog, description, elevation, health, programme, tile, viewer, world},
+    handler::{catalog, description, elevation, health, programme, shader, tile, viewer, world},
     state::App,
 };
 use axum::{
@@ -52,6 +52,8 @@ fn documented() -> OpenApiRouter<App> {
         .routes(routes!(programme::get_preview))
         .routes(routes!(tile::get_style))
         .routes(routes!(elevation::get_elevation))
+        .routes(routes!(shader::get_glsl))
+        .routes(routes!(shader::get_wgsl))
         .routes(routes!(tile::get_tilejson))
         .routes(routes!(tile::get_tile))
 }

@@ -10,6 +10,7 @@ mod number;
 mod preset;
 mod problem;
 mod revision;
+mod shader;
 mod survey;
 
 pub use base::{Base, ElevationRange};

@@ -5,7 +5,7 @@ import { chromium } from 'playwright-core';
 const OUT = fileURLToPath(new URL('out/', import.meta.url));
 
 /** One Chromium with software rendering, and a record of everything that goes wrong in its pages. */
-export async function startBrowser(url) {
+export async function startBrowser(url, more = []) {
   await mkdir(OUT, { recursive: true });
   const browser = await chromium.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
@@ -13,7 +13,7 @@ export async function startBrowser(url) {
     args: [
       '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
       '--disable-component-update', '--disable-sync', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
-      '--ignore-gpu-blocklist',
+      '--ignore-gpu-blocklist', ...more,
     ],
   });
   const blank = await browser.newPage(); // where pictures are measured

@@ -219,3 +219,24 @@ async fn the_root_is_a_page() {
     let page = client.get("/").await;
     assert_eq!((page.status, page.header("content-type").split(';').next()), (StatusCode::OK, Some("text/html")));
 }
+
+#[tokio::test]
+async fn a_worlds_base_is_a_shader_that_is_known_by_its_revision() {
+    let client = Client::new().await;
+    let revision = client.get("/worlds/alps").await.header("etag").trim_matches('"').to_owned();
+    for (language, function) in [("glsl", "float terrane_elevation(vec2 metres)"), ("wgsl", "fn terrane_elevation(metres: vec2<f32>) -> f32")] {
+        let plain = client.get(&format!("/worlds/alps/shader.{language}")).await;
+        assert_eq!((plain.status, plain.header("content-type"), plain.header("cache-control")), (StatusCode::OK, "text/plain; charset=utf-8", "no-cache"));
+        assert!(String::from_utf8_lossy(&plain.body).contains(function));
+        let tag = plain.header("etag").to_owned();
+        assert!(tag.contains(&revision), "{tag}");
+        let again = client.send(Method::GET, &format!("/worlds/alps/shader.{language}"), &[("if-none-match", &tag)], "").await;
+        assert_eq!((again.status, again.body.len()), (StatusCode::NOT_MODIFIED, 0));
+        let pinned = client.get(&format!("/worlds/alps@{revision}/shader.{language}")).await;
+        assert_eq!((pinned.header("cache-control"), &pinned.body), ("public, max-age=31536000, immutable", &plain.body));
+    }
+    let large = json!({"seed": 1, "base": {"programme": "smooth(smooth(smooth(multiply(x, y), 0.1), 0.1), 0.1)", "scale": 100}}).to_string();
+    assert_eq!(client.send(Method::PUT, "/worlds/large", &[], large).await.status, StatusCode::CREATED);
+    let refused = client.get("/worlds/large/shader.glsl").await.problem();
+    assert!(refused.starts_with("404 world: with smooth, slope and gradients written out the programme has"), "{refused}");
+}

@@ -13,5 +13,6 @@ mod library;
 mod openapi;
 mod program;
 mod properties;
+mod shader;
 mod tidy;
 mod writes;

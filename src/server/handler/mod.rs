@@ -6,6 +6,7 @@ mod document;
 pub(super) mod elevation;
 pub(super) mod health;
 pub(super) mod programme;
+pub(super) mod shader;
 pub(super) mod tile;
 pub(super) mod viewer;
 pub(super) mod world;

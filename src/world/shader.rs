@@ -1,0 +1,18 @@
+//! A world's base as a shader.
+
+use super::World;
+use crate::programme::{Frame, Ground, ShaderError, ShaderLanguage};
+
+impl World {
+    /// Source text that computes the base's elevations: see [`crate::programme::Programme::to_shader`].
+    ///
+    /// # Errors
+    /// If the programme has too many steps for a shader.
+    pub fn shader(&self, language: ShaderLanguage) -> Result<String, ShaderError> {
+        let document = self.document();
+        let base = &document.base;
+        let frame = Frame { seed: document.seed, scale: base.scale, origin: base.origin };
+        let range = [document.elevation.min, document.elevation.max];
+        base.programme.to_shader(language, &Ground { frame, amplitude: base.amplitude, datum: base.datum, range })
+    }
+}
