@@ -377,47 +377,212 @@ struct Carve<'a> {
     faded: f32,
 }
 
+/// Samples are carved in groups of these, the last filled up: loops of whole vectors.
+const GROUP: usize = 16;
+
 impl Kernel for Carve<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) {
         let Self { around, xs, ys, heights, cut, part, faded } = self;
-        let (mut slopes, mut weights, mut lowest) = ([0.0_f32; CHUNK], [0.0_f32; CHUNK], [0.0_f32; CHUNK]);
-        for &[node_x, node_y, slope] in &around.nodes {
-            for ((sum, weight), (&x, &y)) in slopes.iter_mut().zip(&mut weights).zip(xs.iter().zip(ys)) {
-                let (dx, dy) = (x - node_x, y - node_y);
+        for ((xs, ys), heights) in xs.chunks(GROUP).zip(ys.chunks(GROUP)).zip(heights.chunks_mut(GROUP)) {
+            let (mut x, mut y, mut height) = ([xs[0]; GROUP], [ys[0]; GROUP], [heights[0]; GROUP]);
+            x[..xs.len()].copy_from_slice(xs);
+            y[..ys.len()].copy_from_slice(ys);
+            height[..heights.len()].copy_from_slice(heights);
+            let slope = around.slopes(&x, &y);
+            let lowest = around.lowest(&x, &y, &height, &slope.map(|slope| cut * slope));
+            for i in 0..GROUP {
+                height[i] = (height[i] + part * (lowest[i] - height[i])) - faded * slope[i];
+            }
+            let count = heights.len();
+            heights.copy_from_slice(&height[..count]);
+        }
+    }
+}
+
+impl Around {
+    /// How steep the network is around samples, a pitch.
+    #[inline(always)]
+    fn slopes(&self, x: &[f32; GROUP], y: &[f32; GROUP]) -> [f32; GROUP] {
+        let (mut sum, mut weights) = ([0.0; GROUP], [0.0; GROUP]);
+        for &[node_x, node_y, slope] in &self.nodes {
+            for i in 0..GROUP {
+                let (dx, dy) = (x[i] - node_x, y[i] - node_y);
                 let near = at_least_0(1.0 - (dx * dx + dy * dy) * (1.0 / KERNEL));
-                let w = near * near;
-                *sum += w * slope;
-                *weight += w;
+                let weight = near * near;
+                sum[i] += weight * slope;
+                weights[i] += weight;
             }
         }
-        for ((slope, weight), (low, &height)) in slopes.iter_mut().zip(&weights).zip(lowest.iter_mut().zip(&*heights)) {
-            *slope /= weight;
-            *low = height;
-        }
-        for link in &around.links {
+        core::array::from_fn(|i| sum[i] / weights[i])
+    }
+
+    /// The lowest that any valley leaves of samples; their beds lie `incision` below their links.
+    #[inline(always)]
+    fn lowest(&self, x: &[f32; GROUP], y: &[f32; GROUP], height: &[f32; GROUP], incision: &[f32; GROUP]) -> [f32; GROUP] {
+        let mut lowest = *height;
+        for link in &self.links {
             let Link { from, to: [ex, ey, ez], inverse_square, bend } = *link;
-            for (((low, &height), &slope), (&x, &y)) in lowest.iter_mut().zip(&*heights).zip(&slopes).zip(xs.iter().zip(ys)) {
-                let (px, py) = (x - from.x, y - from.y);
+            for i in 0..GROUP {
+                let (px, py) = (x[i] - from.x, y[i] - from.y);
                 let along = at_least_0((px * ex + py * ey) * inverse_square);
                 let t = if along > 1.0 { 1.0 } else { along };
                 let bow = bend * (t * (1.0 - t));
                 let (dx, dy) = ((px - t * ex) + bow * ey, (py - t * ey) - bow * ex);
                 let weight = at_least_0(1.0 - (dx * dx + dy * dy).sqrt() * (1.0 / HALF_WIDTH));
-                let bed = (from.z + t * ez) - cut * slope;
-                let carved = height - weight * at_least_0(height - bed);
-                *low = if carved < *low { carved } else { *low };
+                let bed = (from.z + t * ez) - incision[i];
+                let carved = height[i] - weight * at_least_0(height[i] - bed);
+                lowest[i] = if carved < lowest[i] { carved } else { lowest[i] };
             }
         }
-        for ((height, &low), &slope) in heights.iter_mut().zip(&lowest).zip(&slopes) {
-            *height = (*height + part * (low - *height)) - faded * slope;
-        }
+        lowest
     }
 }
 
 #[inline(always)]
 fn at_least_0(value: f32) -> f32 {
     if value > 0.0 { value } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::{Basis, Field, FieldShape};
+
+    struct Ground(Field);
+
+    impl Terrain for Ground {
+        fn heights(&mut self, us: &[f64], vs: &[f64], out: &mut [f32]) {
+            self.0.points(Isa::Baseline, us, vs, out);
+        }
+    }
+
+    fn ground() -> Ground {
+        Ground(Field::exact(FieldShape::Fbm { h: 1.0, lacunarity: 2.0, octaves: 5.0 }, Basis::OPerlin, 7))
+    }
+
+    const EROSION: Erosion = Erosion { strength: 1.0, scale: 0.4, octaves: 3.0, depth: 0.7 };
+
+    fn eroded(valleys: &mut Valleys, us: &[f64], vs: &[f64]) -> Vec<f32> {
+        let mut ground = ground();
+        let mut heights = vec![0.0; us.len()];
+        ground.heights(us, vs, &mut heights);
+        valleys.carve(&mut ground, us, vs, &mut heights);
+        heights
+    }
+
+    /// A grid of places of some side and spacing around a place.
+    fn places(around: f64, spacing: f64) -> (Vec<f64>, Vec<f64>) {
+        let at = |i: i32| around + f64::from(i) * spacing;
+        ((0..900).map(|i| at(i % 30)).collect(), (0..900).map(|i| at(i / 30)).collect())
+    }
+
+    /// Whatever was asked before, in whatever order and on whatever instruction set.
+    #[test]
+    fn a_place_has_one_height() {
+        for (around, spacing) in [(0.3, 0.004), (-5.0, 0.31), (3e7, 0.02), (1e12, 1e9)] {
+            let (us, vs) = places(around, spacing);
+            let all = eroded(&mut Valleys::new(Isa::Baseline, &EROSION, 5, 0.0), &us, &vs);
+            for isa in Isa::ALL {
+                let mut valleys = Valleys::new(isa, &EROSION, 5, 0.0);
+                let (back_us, back_vs): (Vec<f64>, Vec<f64>) = (us.iter().rev().copied().collect(), vs.iter().rev().copied().collect());
+                let back = eroded(&mut valleys, &back_us, &back_vs);
+                assert!(back.iter().rev().zip(&all).all(|(a, b)| a.to_bits() == b.to_bits()), "{isa:?} {around} {spacing}");
+                for i in (0..us.len()).step_by(97) {
+                    let alone = eroded(&mut valleys, &us[i..=i], &vs[i..=i]);
+                    assert_eq!(alone[0].to_bits(), all[i].to_bits(), "{isa:?} at {} {}", us[i], vs[i]);
+                }
+            }
+        }
+    }
+
+    /// The definition written out: every link of every cell near enough, none left out for being far.
+    #[test]
+    fn valleys_are_those_of_every_link_around() {
+        let (us, vs) = places(0.7, 0.021);
+        let erosion = Erosion { octaves: 1.0, ..EROSION };
+        let got = eroded(&mut Valleys::new(Isa::active(), &erosion, 5, 0.0), &us, &vs);
+        let (pitch, cut) = erosion.level(0);
+        let level = Level::new(5, 0, pitch, cut as f32, 1.0);
+        let mut ground = ground();
+        let site = |i: i64, j: i64, ground: &mut Ground| {
+            let all = (0..CANDIDATES).map(|candidate| {
+                let [x, y] = level.place([i, j], candidate);
+                let mut z = [0.0];
+                ground.heights(&[(i as f64 + f64::from(x)) * pitch], &[(j as f64 + f64::from(y)) * pitch], &mut z);
+                Site { x: i as f32 + x, y: j as f32 + y, z: z[0] }
+            });
+            all.reduce(|lowest, other| if other.z < lowest.z { other } else { lowest }).expect("four")
+        };
+        let sites: HashMap<[i64; 2], Site> = (-16..24).flat_map(|j| (-16..24).map(move |i| [i, j])).map(|[i, j]| ([i, j], site(i, j, &mut ground))).collect();
+        let links: Vec<(Site, [f32; 2], Option<(Site, f32)>)> = (-11..19)
+            .flat_map(|j| (-11..19).map(move |i| [i, j]))
+            .map(|[i, j]| {
+                let found = find_link(&|a, b| sites[&[a, b]], REACH, [i, j]).map(|(_, to)| (to, level.turn([i, j])));
+                (sites[&[i, j]], [i as f32 + 0.5, j as f32 + 0.5], found)
+            })
+            .collect();
+        for ((&u, &v), got) in us.iter().zip(&vs).zip(got) {
+            let (x, y) = ((u / pitch) as f32, (v / pitch) as f32);
+            let (mut sum, mut weights, mut height) = (0.0, 0.0, [0.0]);
+            ground.heights(&[u], &[v], &mut height);
+            for (site, [cell_x, cell_y], found) in &links {
+                // The 4 × 4 cells around the nearest corner.
+                if (cell_x - (x + 0.5).floor()).abs() < 2.0 && (cell_y - (y + 0.5).floor()).abs() < 2.0 {
+                    let near = (1.0 - ((x - site.x).powi(2) + (y - site.y).powi(2)) / KERNEL).max(0.0).powi(2);
+                    let slope = found.map_or(0.0, |(to, _)| (site.z - to.z) / ((to.x - site.x).powi(2) + (to.y - site.y).powi(2)).sqrt());
+                    (sum, weights) = (sum + near * slope, weights + near);
+                }
+            }
+            let mut lowest = height[0];
+            for (site, _, found) in &links {
+                let Some((to, turn)) = found else { continue };
+                let (ex, ey, ez) = (to.x - site.x, to.y - site.y, to.z - site.z);
+                let square = ex * ex + ey * ey;
+                let t = (((x - site.x) * ex + (y - site.y) * ey) / square).clamp(0.0, 1.0);
+                let bow = 4.0 * BEND * turn / square.sqrt() * t * (1.0 - t);
+                let (dx, dy) = (x - site.x - t * ex + bow * ey, y - site.y - t * ey - bow * ex);
+                let weight = (1.0 - (dx * dx + dy * dy).sqrt() / HALF_WIDTH).max(0.0);
+                lowest = lowest.min(height[0] - weight * (height[0] - (site.z + t * ez - cut as f32 * (sum / weights))).max(0.0));
+            }
+            assert!((lowest - got).abs() < 2e-5, "{u} {v}: {got} is not {lowest}");
+        }
+    }
+
+    /// Valleys lower the land; nowhere more than the range allows.
+    #[test]
+    fn erosion_only_lowers_and_flat_land_stays() {
+        let (us, vs) = places(0.0, 0.05);
+        let mut before = vec![0.0; us.len()];
+        ground().heights(&us, &vs, &mut before);
+        let after = eroded(&mut Valleys::new(Isa::active(), &EROSION, 5, 0.0), &us, &vs);
+        let [low, high] = ground().0.range();
+        assert!(before.iter().zip(&after).all(|(before, after)| after <= before));
+        assert!(after.iter().all(|&height| height >= low - (high - low) * EROSION.greatest_cut() as f32));
+        struct Flat;
+        impl Terrain for Flat {
+            fn heights(&mut self, _: &[f64], _: &[f64], out: &mut [f32]) {
+                out.fill(0.25);
+            }
+        }
+        let mut flat = vec![0.25; us.len()];
+        Valleys::new(Isa::active(), &EROSION, 5, 0.0).carve(&mut Flat, &us, &vs, &mut flat);
+        assert!(flat.iter().all(|&height| height == 0.25));
+    }
+
+    /// The mean over an area moves by less than a hundredth of the amplitude from level to level.
+    #[test]
+    fn the_mean_stays_as_lattices_fade() {
+        let side = 160;
+        let at = |i: usize| i as f64 * 0.05;
+        let (us, vs): (Vec<f64>, Vec<f64>) = (0..side * side).map(|i| (at(i % side), at(i / side))).unzip();
+        let mean = |spacing: f64| {
+            let heights = eroded(&mut Valleys::new(Isa::active(), &EROSION, 5, spacing), &us, &vs);
+            heights.iter().map(|&h| f64::from(h)).sum::<f64>() / heights.len() as f64
+        };
+        let means: Vec<f64> = [0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.05, 0.07].map(mean).to_vec();
+        assert!(means.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.01), "{means:?}");
+    }
 }
