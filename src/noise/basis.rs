@@ -2,14 +2,12 @@
 
 use super::{
     Feature, Isa, Lanes, Metric,
-    aligned::AlignedArray,
     cells::Lattice,
     cellular::{self, DistanceRows, Query, ValueRows, Values},
     field::Octave,
-    fractal::Step,
     gradient::{self, Blender, Gradients, IPerlin, OPerlin},
     gradient_rows::GradientRows,
-    rows::{ROOM, Samples, add},
+    sheet::{Lines, Sheet},
 };
 
 /// A noise in a unit lattice.
@@ -51,7 +49,46 @@ impl Basis {
     }
 }
 
-/// A basis along the rows of a window.
+/// The octaves of a basis whose samples share cells.
+pub(super) enum BasisSheet {
+    None,
+    OPerlin(Sheet<OPerlin>),
+    IPerlin(Sheet<IPerlin>),
+}
+
+impl BasisSheet {
+    /// The leading octaves, given by lattice and factor, as many as there can be.
+    #[inline(always)]
+    pub(super) fn new<L: Lanes>(lanes: L, basis: Basis, octaves: impl Iterator<Item = (Lattice, f32)>, coordinates: &[f64]) -> Self {
+        match basis {
+            Basis::OPerlin => BasisSheet::OPerlin(Sheet::new(lanes, octaves, coordinates)),
+            Basis::IPerlin => BasisSheet::IPerlin(Sheet::new(lanes, octaves, coordinates)),
+            _ => BasisSheet::None,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn begin<L: Lanes>(&mut self, lanes: L, v: f64) {
+        match self {
+            BasisSheet::None => (),
+            BasisSheet::OPerlin(sheet) => sheet.begin(lanes, v),
+            BasisSheet::IPerlin(sheet) => sheet.begin(lanes, v),
+        }
+    }
+
+    /// Its lines, if it has octaves.
+    #[inline(always)]
+    pub(super) fn lines(&self) -> Option<&Lines> {
+        let lines = match self {
+            BasisSheet::None => return None,
+            BasisSheet::OPerlin(sheet) => sheet.lines(),
+            BasisSheet::IPerlin(sheet) => sheet.lines(),
+        };
+        (lines.octaves() > 0).then_some(lines)
+    }
+}
+
+/// A basis along the rows of a window, an octave of it.
 pub(super) enum BasisRows {
     OPerlin(GradientRows<OPerlin>),
     IPerlin(GradientRows<IPerlin>),
@@ -80,28 +117,34 @@ impl BasisRows {
     }
 
     #[inline(always)]
-    pub(super) fn begin<L: Lanes>(&mut self, lanes: L, v: f64) {
+    pub(super) fn begin(&mut self, v: f64) {
         match self {
-            BasisRows::OPerlin(rows) => rows.begin(lanes, v),
-            BasisRows::IPerlin(rows) => rows.begin(lanes, v),
-            BasisRows::Blender(rows) => rows.begin(lanes, v),
+            BasisRows::OPerlin(rows) => rows.begin(v),
+            BasisRows::IPerlin(rows) => rows.begin(v),
+            BasisRows::Blender(rows) => rows.begin(v),
             BasisRows::Cellular(rows, _) => rows.begin(v),
         }
     }
 
-    /// Adds the octave to samples.
+    /// Writes the noise at the columns from `start` on, which is a whole number of vectors; what goes beyond the last column may be anything.
     #[inline(always)]
-    pub(super) fn add<L: Lanes, S: Step>(&self, lanes: L, step: S, samples: &mut Samples<'_>) {
+    pub(super) fn fill<L: Lanes>(&self, lanes: L, start: usize, out: &mut [f32]) {
         match self {
-            BasisRows::OPerlin(rows) => rows.add(lanes, step, samples),
-            BasisRows::IPerlin(rows) => rows.add(lanes, step, samples),
-            BasisRows::Blender(rows) => rows.add(lanes, step, samples),
-            BasisRows::Cellular(rows, amplitude) => rows.add(lanes, *amplitude, step, samples),
+            BasisRows::OPerlin(rows) => rows.fill(lanes, start, out),
+            BasisRows::IPerlin(rows) => rows.fill(lanes, start, out),
+            BasisRows::Blender(rows) => rows.fill(lanes, start, out),
+            BasisRows::Cellular(rows, amplitude) => {
+                let count = out.len().min(rows.columns - start);
+                rows.fill(start, &mut out[..count]);
+                for value in out {
+                    *value *= amplitude;
+                }
+            }
         }
     }
 }
 
-/// Noise that is written to a buffer, from where octaves take it.
+/// Cellular noise along the rows of a window.
 pub(super) struct CellularRows {
     columns: usize,
     kind: CellularKind,
@@ -132,25 +175,10 @@ impl CellularRows {
             CellularKind::Value(rows) => rows.fill(start, out),
         }
     }
-
-    #[inline(always)]
-    fn add<L: Lanes, S: Step>(&self, lanes: L, amplitude: f32, step: S, samples: &mut Samples<'_>) {
-        let mut noise = AlignedArray([0.0; ROOM]);
-        let noise = &mut noise.0;
-        let from = samples.first * L::WIDTH;
-        let count = samples.values.len().min(self.columns - from);
-        self.fill(from, &mut noise[..count]);
-        let amplitude = lanes.splat(amplitude);
-        let states = samples.values.chunks_exact_mut(L::WIDTH).zip(samples.openings.chunks_exact_mut(L::WIDTH));
-        for (noise, (value, opening)) in noise.chunks_exact(L::WIDTH).zip(states) {
-            add(lanes, step, amplitude * lanes.load(noise), value, opening);
-        }
-    }
 }
 
 impl Basis {
     /// Writes a cellular noise at positions.
-    #[inline(always)]
     pub(super) fn cellular_points(self, isa: Isa, octave: &Octave, us: &[f64], vs: &[f64], out: &mut [f32]) {
         let Octave { lattice, extent, .. } = *octave;
         match self {

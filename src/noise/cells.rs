@@ -1,6 +1,6 @@
 //! Where samples lie in a noise lattice: cell, fraction and fade, found once a column and once a row.
 
-use super::{Lanes, hash};
+use super::{Lanes, aligned::Aligned, hash};
 
 /// One octave's lattice: cells of side 1/frequency in programme units, its own corner hashes and its own phase.
 ///
@@ -71,16 +71,66 @@ impl Lattice {
         }
     }
 
-    /// The same for one coordinate, near or far.
+    /// The cell of one coordinate, near or far, and everything about it in every lane.
     #[inline(always)]
-    pub(super) fn axis_at<L: Lanes>(&self, lanes: L, fade: Fade, axis: usize, coordinate: f64) -> Axis<L> {
+    pub(super) fn axis_at<L: Lanes>(&self, lanes: L, fade: Fade, axis: usize, coordinate: f64) -> (i64, Axis<L>) {
         let Position { cell, fraction } = self.locate(axis, coordinate);
         let key = |cell| if axis == 0 { hash::column_key(cell) } else { hash::row_key(cell, self.seed) };
-        Axis {
-            keys: [lanes.splat_words(key(cell)), lanes.splat_words(key(cell + 1))],
-            fraction: lanes.splat(fraction as f32),
-            fade: lanes.splat(fade.weight(fraction) as f32),
-            turn: lanes.splat(fade.turn(fraction) as f32),
+        let keys = [lanes.splat_words(key(cell)), lanes.splat_words(key(cell + 1))];
+        let [fade, turn] = [lanes.splat(fade.weight(fraction) as f32), lanes.splat(fade.turn(fraction) as f32)];
+        (cell, Axis { keys, fraction: lanes.splat(fraction as f32), fade, turn })
+    }
+}
+
+/// Where the columns of a window lie in a lattice, and the last one again until groups of vectors are whole.
+pub(super) struct Located {
+    /// Low words of cells' numbers.
+    pub cells: Aligned<u32>,
+    /// Keys of the cells' own columns and of the next.
+    pub keys: [Aligned<u32>; 2],
+    pub fractions: Aligned<f32>,
+    pub fades: Aligned<f32>,
+}
+
+impl Located {
+    /// `group` is the number of vectors that groups have.
+    #[inline(always)]
+    pub(super) fn new<L: Lanes>(lanes: L, lattice: &Lattice, fade: Fade, coordinates: &[f64], group: usize) -> Self {
+        let count = coordinates.len().next_multiple_of(group * L::WIDTH);
+        let (words, floats) = (|| Aligned::new(0, count), || Aligned::new(0.0, count));
+        let mut located = Self { cells: words(), keys: [words(), words()], fractions: floats(), fades: floats() };
+        let greatest = coordinates.iter().fold(0.0_f64, |greatest, c| if c.abs() <= greatest { greatest } else { c.abs() });
+        let mut padded = [0.0; 16];
+        for start in (0..count).step_by(L::WIDTH) {
+            for (i, padded) in padded[..L::WIDTH].iter_mut().enumerate() {
+                *padded = coordinates[(start + i).min(coordinates.len() - 1)];
+            }
+            if lattice.holds(greatest) {
+                located.write(lanes, lattice, fade, start, &padded);
+            } else {
+                located.write_far(lattice, fade, start, &padded[..L::WIDTH]);
+            }
+        }
+        located
+    }
+
+    #[inline(always)]
+    fn write<L: Lanes>(&mut self, lanes: L, lattice: &Lattice, fade: Fade, start: usize, coordinates: &[f64]) {
+        let (cell, fraction) = lattice.locate_lanes(lanes, 0, lanes.load_doubles(coordinates));
+        let keys = hash::keys::<L, false>(lanes, 0, 0, cell);
+        lanes.store_words(cell[0], &mut self.cells[start..]);
+        lanes.store_words(keys[0], &mut self.keys[0][start..]);
+        lanes.store_words(keys[1], &mut self.keys[1][start..]);
+        lanes.store(lanes.round(fraction), &mut self.fractions[start..]);
+        lanes.store(lanes.round(fade.weights(lanes, fraction)), &mut self.fades[start..]);
+    }
+
+    fn write_far(&mut self, lattice: &Lattice, fade: Fade, start: usize, coordinates: &[f64]) {
+        for (i, &coordinate) in (start..).zip(coordinates) {
+            let Position { cell, fraction } = lattice.locate(0, coordinate);
+            self.cells[i] = cell as u32;
+            (self.keys[0][i], self.keys[1][i]) = (hash::column_key(cell), hash::column_key(cell + 1));
+            (self.fractions[i], self.fades[i]) = (fraction as f32, fade.weight(fraction) as f32);
         }
     }
 }

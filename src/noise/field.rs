@@ -85,17 +85,17 @@ impl Field {
             FieldShape::Hybrid { offset, gain, .. } => opening::hybrid(basis, &parts, offset, gain, octave),
             FieldShape::Multifractal { .. } => Self::product(basis, &parts, octave, |_, w| (1.0, w)),
             FieldShape::Hetero { offset, .. } => Self::product(basis, &parts, octave, |k, w| if k == 0 { (offset, w) } else { (1.0 + w * offset, w) }),
-            FieldShape::Turbulence { hard: true, .. } => Self::sum(basis, &parts, octave, AnyStep::AddAbsolute(AddAbsolute), moments.absolute, 1.0),
+            FieldShape::Turbulence { hard: true, .. } => Self::sum(basis, &parts, octave, &AnyStep::AddAbsolute(AddAbsolute), moments.absolute, 1.0),
             FieldShape::Spectral { .. } => {
                 let total: f64 = parts.iter().map(|part| part.weight * part.share).sum();
-                Self::sum(basis, &parts, octave, AnyStep::Add(Add), moments.mean, 1.0 / total)
+                Self::sum(basis, &parts, octave, &AnyStep::Add(Add), moments.mean, 1.0 / total)
             }
-            _ => Self::sum(basis, &parts, octave, AnyStep::Add(Add), moments.mean, 1.0),
+            _ => Self::sum(basis, &parts, octave, &AnyStep::Add(Add), moments.mean, 1.0),
         }
     }
 
     /// Σ w n, or of |n|; what is left out adds its mean beforehand.
-    fn sum(basis: Basis, parts: &[Part], octave: impl Fn(usize, f64, AnyStep) -> Octave, step: AnyStep, mean: f64, scale: f64) -> Self {
+    fn sum(basis: Basis, parts: &[Part], octave: impl Fn(usize, f64, AnyStep) -> Octave, step: &AnyStep, mean: f64, scale: f64) -> Self {
         let weights = || parts.iter().map(|part| part.weight * part.share * scale);
         let start: f64 = parts.iter().zip(weights()).map(|(part, weight)| weight * (1.0 - part.carried) * mean).sum();
         let kept = parts.iter().zip(weights()).enumerate().filter(|(_, (part, _))| part.carried > 0.0);
@@ -130,11 +130,6 @@ impl Field {
         }
         let Real(value) = self.after(one, state);
         value.0[0]
-    }
-
-    /// Whether octaves open each other.
-    pub(super) fn opens(&self) -> bool {
-        self.tail.is_some() || self.octaves.iter().any(|octave| with_step!(&octave.step, step => step.opens()))
     }
 
     /// The state before the first octave.

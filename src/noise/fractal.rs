@@ -5,7 +5,7 @@
 
 use super::{
     Lanes,
-    number::{Number, Table},
+    number::{Number, Real, Table},
 };
 
 /// What goes from octave to octave.
@@ -16,14 +16,26 @@ pub(super) struct State<N> {
     pub opening: N,
 }
 
+impl<L: Lanes> State<Real<L>> {
+    /// The state of a vector of samples, as far as a step uses it.
+    #[inline(always)]
+    pub(super) fn load<S: Step>(lanes: L, values: &[f32], openings: &[f32]) -> Self {
+        Self { value: Real(lanes.load(values)), opening: Real(if S::OPENS { lanes.load(openings) } else { lanes.splat(1.0) }) }
+    }
+
+    #[inline(always)]
+    pub(super) fn store<S: Step>(self, lanes: L, values: &mut [f32], openings: &mut [f32]) {
+        lanes.store(self.value.0, values);
+        if S::OPENS {
+            lanes.store(self.opening.0, openings);
+        }
+    }
+}
+
 /// An octave's step from state to state, given its noise.
 pub(super) trait Step: Copy {
     /// Whether it uses the opening.
     const OPENS: bool;
-
-    fn opens(&self) -> bool {
-        Self::OPENS
-    }
 
     fn after<L: Lanes, N: Number<L>>(&self, lanes: L, noise: N, before: State<N>) -> State<N>;
 }
@@ -177,6 +189,44 @@ pub(super) enum AnyStep {
     Hybrid(Whole<Hybrid>),
     RidgePart(Box<Part<Ridge>>),
     HybridPart(Box<Part<Hybrid>>),
+}
+
+/// Steps of one kind.
+#[derive(Clone, Debug)]
+pub(super) enum Steps {
+    Add(Vec<Add>),
+    AddAbsolute(Vec<AddAbsolute>),
+    Multiply(Vec<Multiply>),
+    Ridge(Vec<Whole<Ridge>>),
+    Hybrid(Vec<Whole<Hybrid>>),
+}
+
+impl Steps {
+    /// Those of the first's kind at the beginning; none if octaves of the first's kind are better taken alone.
+    pub(super) fn leading<'a>(steps: impl Iterator<Item = &'a AnyStep> + Clone) -> Self {
+        macro_rules! collect {
+            ($kind:ident) => {
+                Steps::$kind(steps.map_while(|step| if let AnyStep::$kind(step) = step { Some(*step) } else { None }).collect())
+            };
+        }
+        match steps.clone().next() {
+            Some(AnyStep::AddAbsolute(_)) => collect!(AddAbsolute),
+            Some(AnyStep::Multiply(_)) => collect!(Multiply),
+            Some(AnyStep::Ridge(_)) => collect!(Ridge),
+            Some(AnyStep::Hybrid(_)) => collect!(Hybrid),
+            _ => collect!(Add),
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Steps::Add(steps) => steps.len(),
+            Steps::AddAbsolute(steps) => steps.len(),
+            Steps::Multiply(steps) => steps.len(),
+            Steps::Ridge(steps) => steps.len(),
+            Steps::Hybrid(steps) => steps.len(),
+        }
+    }
 }
 
 /// Evaluates an expression with a step of its own type, so that it is compiled for each.

@@ -260,7 +260,7 @@ fn unit_gradients<L: Lanes>(lanes: L, hash: L::Words) -> [L::Floats; 2] {
     };
     let (index, sign) = (lanes.shr::<28>(hash), hash & lanes.splat_words(0x8000_0000));
     let [gx, gy] = [lanes.lookup8(&HALF[0], index), lanes.lookup8(&HALF[1], index)];
-    [lanes.from_words(lanes.to_words(gx) ^ sign), lanes.from_words(lanes.to_words(gy) ^ sign)]
+    [lanes.to_floats(lanes.to_words(gx) ^ sign), lanes.to_floats(lanes.to_words(gy) ^ sign)]
 }
 
 /// The lines of lattice columns, as [`Across::line`].

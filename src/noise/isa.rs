@@ -104,8 +104,8 @@ pub trait Kernel {
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 
-/// Lanes of the baseline: two registers of SSE2 and NEON.
-const BASELINE_WIDTH: usize = 8;
+/// Lanes of the baseline: those of SSE2 and NEON.
+const BASELINE_WIDTH: usize = 4;
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]

@@ -54,7 +54,7 @@ pub trait Lanes: Copy {
     /// The bits of floats.
     fn to_words(self, a: Self::Floats) -> Self::Words;
     /// The floats of bits.
-    fn from_words(self, a: Self::Words) -> Self::Floats;
+    fn to_floats(self, a: Self::Words) -> Self::Floats;
     /// Bits moved up.
     fn shl<const N: u32>(self, a: Self::Words) -> Self::Words;
     /// Bits moved down, zeros following.
@@ -220,7 +220,7 @@ impl<const N: usize> Lanes for Plain<N> {
     }
 
     #[inline(always)]
-    fn from_words(self, a: Self::Words) -> Self::Floats {
+    fn to_floats(self, a: Self::Words) -> Self::Floats {
         a.map(f32::from_bits)
     }
 

@@ -24,6 +24,7 @@ mod opening;
 mod points;
 mod rows;
 mod shape;
+mod sheet;
 mod valleys;
 #[cfg(target_arch = "x86_64")]
 #[expect(unsafe_code, reason = "calling intrinsics, reading and writing vectors")]

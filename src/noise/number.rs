@@ -185,7 +185,7 @@ impl<L: Lanes> Number<L> for Dual<L> {
     fn abs(self, lanes: L) -> Self {
         let sign = lanes.to_words(self.value) & lanes.splat_words(0x8000_0000);
         let [du, dv] = [lanes.to_words(self.slopes[0]), lanes.to_words(self.slopes[1])];
-        Self { value: lanes.abs(self.value), slopes: [lanes.from_words(du ^ sign), lanes.from_words(dv ^ sign)] }
+        Self { value: lanes.abs(self.value), slopes: [lanes.to_floats(du ^ sign), lanes.to_floats(dv ^ sign)] }
     }
 
     #[inline(always)]

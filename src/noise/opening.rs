@@ -1,7 +1,7 @@
 //! Fractals whose octaves open the next: ridged and hybrid.
 //!
 //! The mean of a clamped product is not the product of means. What octaves that a spacing does not carry add on average is therefore tabulated over the opening
-//! they start from: backwards from the last, T_k(c) = c · weight · E s + E T_(k+1)(clamp(gain · c · s)), the octaves being independent.
+//! they start from: backwards from the last, `T_k(c)` = c · weight · E s + E `T_(k+1)`(clamp(gain · c · s)), the octaves being independent.
 
 use super::{
     Basis, Field,
@@ -13,7 +13,7 @@ use super::{
 /// An octave's signals, how they open the next octave, and what they add.
 struct Signals {
     /// Equally likely signals of a whole opening.
-    signals: Vec<f64>,
+    likely: Vec<f64>,
     mean: f64,
     gain: f64,
     weight: f64,
@@ -23,8 +23,8 @@ struct Signals {
 
 impl Signals {
     fn expected(&self, opening: f64, next: impl Fn(f64) -> f64) -> f64 {
-        let sum: f64 = self.signals.iter().map(|signal| next((self.gain * opening * signal).clamp(self.low[1], 1.0))).sum();
-        sum / self.signals.len() as f64
+        let sum: f64 = self.likely.iter().map(|signal| next((self.gain * opening * signal).clamp(self.low[1], 1.0))).sum();
+        sum / self.likely.len() as f64
     }
 
     /// The mean opening of the next octave.
@@ -45,7 +45,7 @@ impl Signals {
 pub(super) fn ridged(basis: Basis, parts: &[Part], offset: f64, gain: f64, octave: impl Fn(usize, f64, AnyStep) -> Octave) -> Field {
     let moments = basis.moments();
     let signals = |k: usize| Signals {
-        signals: basis.parts().iter().map(|&n| (offset - f64::from(n)) * (offset - f64::from(n))).collect(),
+        likely: basis.parts().iter().map(|&n| (offset - f64::from(n)) * (offset - f64::from(n))).collect(),
         mean: offset * offset - 2.0 * offset * moments.absolute + moments.square,
         gain,
         weight: parts[k].weight * parts[k].share,
@@ -65,7 +65,7 @@ pub(super) fn hybrid(basis: Basis, parts: &[Part], offset: f64, gain: f64, octav
     let noises: Vec<f64> = basis.parts().iter().map(|&n| f64::from(n)).flat_map(|n| if basis.is_signed() { [-n, n] } else { [n, n] }).collect();
     let lows = lows(basis, parts, offset, gain);
     let signals = |k: usize| Signals {
-        signals: noises.iter().map(|n| (n + offset) * parts[k].weight).collect(),
+        likely: noises.iter().map(|n| (n + offset) * parts[k].weight).collect(),
         mean: (mean + offset) * parts[k].weight,
         gain,
         weight: parts[k].share,

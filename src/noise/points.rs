@@ -3,11 +3,12 @@
 use super::{
     Basis, Field, Isa, Kernel, Lanes,
     aligned::AlignedArray,
+    field::Octave,
     fractal::{Step, with_step},
     gradient::{Blender, IPerlin, Noise, OPerlin},
     lanes::Plain,
     number::{Dual, Number, Real},
-    rows::add,
+    rows::{add_noise, finish},
 };
 
 impl Basis {
@@ -49,7 +50,7 @@ impl Field {
         let one = Plain::<1>;
         let mut state = self.before(one);
         for octave in &self.octaves {
-            let (x, y) = (octave.lattice.axis_at(one, N::FADE, 0, u), octave.lattice.axis_at(one, N::FADE, 1, v));
+            let ((_, x), (_, y)) = (octave.lattice.axis_at(one, N::FADE, 0, u), octave.lattice.axis_at(one, N::FADE, 1, v));
             let dual = N::dual(one, one.splat(N::scale() * octave.amplitude), &x, &y);
             let noise = per_unit(one, dual, octave.lattice.frequency);
             state = with_step!(&octave.step, step => step.after(one, noise, state));
@@ -100,12 +101,12 @@ enum Reach {
 impl Reach {
     #[inline(always)]
     fn of(field: &Field, us: &[f64], vs: &[f64]) -> Self {
-        // What is not a number is not smaller either.
-        let greatest = us.iter().chain(vs).fold(0.0_f64, |greatest, c| if c.abs() <= greatest { greatest } else { c.abs() });
-        let finite = us.iter().chain(vs).all(|c| c.is_finite());
-        if finite && field.octaves.iter().all(|octave| octave.lattice.is_near(greatest)) {
+        // Bits of magnitudes are in the magnitudes' order, and those of what is no number beyond all.
+        let magnitude = |greatest: u64, c: &f64| greatest.max(c.to_bits() & (u64::MAX >> 1));
+        let greatest = f64::from_bits(vs.iter().fold(us.iter().fold(0, magnitude), magnitude));
+        if field.octaves.iter().all(|octave| octave.lattice.is_near(greatest)) {
             Reach::Near
-        } else if finite && field.octaves.iter().all(|octave| octave.lattice.holds(greatest)) {
+        } else if field.octaves.iter().all(|octave| octave.lattice.holds(greatest)) {
             Reach::Middle
         } else {
             Reach::Far
@@ -115,7 +116,7 @@ impl Reach {
 
 /// A vector of positions through all octaves.
 #[inline(always)]
-fn through<L: Lanes, M: Number<L>, const NEAR: bool>(lanes: L, field: &Field, u: L::Doubles, v: L::Doubles, noise: impl NoiseOf<L, M>) -> M {
+fn through<L: Lanes, M: Number<L>, const NEAR: bool>(lanes: L, field: &Field, u: L::Doubles, v: L::Doubles, noise: &impl NoiseOf<L, M>) -> M {
     let mut state = field.before(lanes);
     for octave in &field.octaves {
         let n = noise.of::<NEAR>(lanes, octave, u, v);
@@ -126,12 +127,12 @@ fn through<L: Lanes, M: Number<L>, const NEAR: bool>(lanes: L, field: &Field, u:
 
 /// An octave's noise as values or with slopes.
 trait NoiseOf<L: Lanes, M> {
-    fn of<const NEAR: bool>(&self, lanes: L, octave: &super::field::Octave, u: L::Doubles, v: L::Doubles) -> M;
+    fn of<const NEAR: bool>(&self, lanes: L, octave: &Octave, u: L::Doubles, v: L::Doubles) -> M;
 }
 
 impl<L: Lanes, N: Noise> NoiseOf<L, Real<L>> for N {
     #[inline(always)]
-    fn of<const NEAR: bool>(&self, lanes: L, octave: &super::field::Octave, u: L::Doubles, v: L::Doubles) -> Real<L> {
+    fn of<const NEAR: bool>(&self, lanes: L, octave: &Octave, u: L::Doubles, v: L::Doubles) -> Real<L> {
         let lattice = &octave.lattice;
         let (x, y) = (lattice.axis::<L, NEAR>(lanes, N::FADE, 0, u), lattice.axis::<L, NEAR>(lanes, N::FADE, 1, v));
         Real(N::value(lanes, lanes.splat(N::scale() * octave.amplitude), &x, &y))
@@ -140,7 +141,7 @@ impl<L: Lanes, N: Noise> NoiseOf<L, Real<L>> for N {
 
 impl<L: Lanes, N: Noise> NoiseOf<L, Dual<L>> for N {
     #[inline(always)]
-    fn of<const NEAR: bool>(&self, lanes: L, octave: &super::field::Octave, u: L::Doubles, v: L::Doubles) -> Dual<L> {
+    fn of<const NEAR: bool>(&self, lanes: L, octave: &Octave, u: L::Doubles, v: L::Doubles) -> Dual<L> {
         let lattice = &octave.lattice;
         let (x, y) = (lattice.axis::<L, NEAR>(lanes, N::FADE, 0, u), lattice.axis::<L, NEAR>(lanes, N::FADE, 1, v));
         per_unit(lanes, N::dual(lanes, lanes.splat(N::scale() * octave.amplitude), &x, &y), lattice.frequency)
@@ -190,13 +191,13 @@ impl<N: Noise> Kernel for Points<'_, N> {
             match Reach::of(field, us, vs) {
                 Reach::Near => {
                     for ((us, vs), out) in vectors.zip(out.chunks_mut(L::WIDTH)) {
-                        let value: Real<L> = through::<_, _, true>(lanes, field, load(lanes, us), load(lanes, vs), noise);
+                        let value: Real<L> = through::<_, _, true>(lanes, field, load(lanes, us), load(lanes, vs), &noise);
                         store(lanes, value.0, out);
                     }
                 }
                 Reach::Middle => {
                     for ((us, vs), out) in vectors.zip(out.chunks_mut(L::WIDTH)) {
-                        let value: Real<L> = through::<_, _, false>(lanes, field, load(lanes, us), load(lanes, vs), noise);
+                        let value: Real<L> = through::<_, _, false>(lanes, field, load(lanes, us), load(lanes, vs), &noise);
                         store(lanes, value.0, out);
                     }
                 }
@@ -226,17 +227,11 @@ impl Kernel for CellularPoints<'_> {
             let mut values = AlignedArray([field.start; BLOCK]);
             for octave in &field.octaves {
                 field.basis.cellular_points(isa, octave, us, vs, &mut noise.0[..us.len()]);
-                let amplitude = lanes.splat(octave.amplitude);
-                let states = values.0.chunks_exact_mut(L::WIDTH).zip(openings.0.chunks_exact_mut(L::WIDTH));
-                with_step!(&octave.step, step => for (noise, (value, opening)) in noise.0.chunks_exact(L::WIDTH).zip(states) {
-                    add(lanes, *step, amplitude * lanes.load(noise), value, opening);
-                });
+                noise.0.iter_mut().for_each(|noise| *noise *= octave.amplitude);
+                with_step!(&octave.step, step => add_noise(lanes, *step, &noise.0, &mut values.0, &mut openings.0));
             }
             if let Some(tail) = &field.tail {
-                for (value, opening) in values.0.chunks_exact_mut(L::WIDTH).zip(openings.0.chunks_exact(L::WIDTH)) {
-                    let sum = lanes.load(value) + Real(lanes.load(opening)).interpolated(lanes, tail).0;
-                    lanes.store(sum, value);
-                }
+                finish(lanes, *tail, &mut values.0, &openings.0);
             }
             out.copy_from_slice(&values.0[..us.len()]);
         }
@@ -269,7 +264,7 @@ impl<N: Noise> Kernel for Slopes<'_, N> {
             }
             let vectors = us.chunks(L::WIDTH).zip(vs.chunks(L::WIDTH)).zip(du.chunks_mut(L::WIDTH).zip(dv.chunks_mut(L::WIDTH)));
             for ((us, vs), (du, dv)) in vectors {
-                let dual: Dual<L> = through::<_, _, false>(lanes, field, load(lanes, us), load(lanes, vs), noise);
+                let dual: Dual<L> = through::<_, _, false>(lanes, field, load(lanes, us), load(lanes, vs), &noise);
                 store(lanes, dual.slopes[0], du);
                 store(lanes, dual.slopes[1], dv);
             }

@@ -1,23 +1,26 @@
 //! Fields along the rows of a window.
 //!
-//! Octaves are added one after another to a few hundred samples that stay in the first-level cache, each in a loop that is compiled for its noise and its step.
+//! Octaves are added to a few hundred samples at a time, which stay in the first-level cache: first those that share cells all in one go, then the others one
+//! after another.
 
 use super::{
     Field, Isa, Kernel, Lanes,
     aligned::AlignedArray,
-    basis::BasisRows,
-    fractal::{AnyStep, State, Step, with_step},
+    basis::{BasisRows, BasisSheet},
+    fractal::{AnyStep, State, Step, Steps, with_step},
     number::{Number, Real, Table},
+    sheet::{Lines, SIDE_BY_SIDE},
 };
 
 /// A field along the rows of a window.
 pub struct Rows {
     isa: Isa,
     start: f32,
+    sheet: BasisSheet,
+    /// Of the sheet's octaves.
+    steps: Steps,
     octaves: Vec<(AnyStep, BasisRows)>,
     tail: Option<Table>,
-    /// Whether the opening is used.
-    opens: bool,
     /// How many columns there are.
     columns: usize,
 }
@@ -55,11 +58,14 @@ impl Kernel for New<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> Rows {
         let Self { field, isa, coordinates } = self;
+        let steps = Steps::leading(field.octaves.iter().map(|octave| &octave.step));
+        let leading = field.octaves[..steps.len()].iter().map(|octave| (octave.lattice, octave.amplitude));
+        let sheet = BasisSheet::new(lanes, field.basis, leading, coordinates);
         let mut octaves = Vec::with_capacity(field.octaves.len());
-        for octave in &field.octaves {
+        for octave in &field.octaves[sheet.lines().map_or(0, Lines::octaves)..] {
             octaves.push((octave.step.clone(), BasisRows::new(lanes, isa, field.basis, octave, coordinates)));
         }
-        Rows { isa, start: field.start, octaves, tail: field.tail, opens: field.opens(), columns: coordinates.len() }
+        Rows { isa, start: field.start, sheet, steps, octaves, tail: field.tail, columns: coordinates.len() }
     }
 }
 
@@ -74,8 +80,9 @@ impl Kernel for Begin<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
+        self.rows.sheet.begin(lanes, self.v);
         for (_, rows) in &mut self.rows.octaves {
-            rows.begin(lanes, self.v);
+            rows.begin(self.v);
         }
     }
 }
@@ -90,69 +97,59 @@ struct Fill<'a> {
 /// Samples that octaves are added to at a time.
 const CHUNK: usize = 256;
 
-/// Room for a chunk that neither begins nor ends with a vector.
-pub(super) const ROOM: usize = CHUNK + 32;
+/// Room for a chunk that neither begins nor ends with a group of vectors.
+const ROOM: usize = CHUNK + 64;
 
 impl Kernel for Fill<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        let Self { rows, start, out } = self;
-        let (mut values, mut openings) = (AlignedArray([0.0; ROOM]), AlignedArray([0.0; ROOM]));
+        let (Self { rows, start, out }, group) = (self, SIDE_BY_SIDE * L::WIDTH);
         for (chunk, out) in out.chunks_mut(CHUNK).enumerate() {
             let from = start + chunk * CHUNK;
-            let first = from / L::WIDTH;
-            let count = (from + out.len()).div_ceil(L::WIDTH) * L::WIDTH - first * L::WIDTH;
-            let mut samples = Samples { first, values: &mut values.0[..count], openings: &mut openings.0[..count] };
-            samples.values.fill(rows.start);
-            if rows.opens {
-                samples.openings.fill(1.0);
+            let first = from / group;
+            let count = (from + out.len()).div_ceil(group) * group - first * group;
+            let (mut values, mut openings) = (AlignedArray([rows.start; ROOM]), AlignedArray([1.0; ROOM]));
+            let (values, openings) = (&mut values.0[..count], &mut openings.0[..count]);
+            if let Some(lines) = rows.sheet.lines() {
+                match &rows.steps {
+                    Steps::Add(steps) => lines.add(lanes, steps, first, values, openings),
+                    Steps::AddAbsolute(steps) => lines.add(lanes, steps, first, values, openings),
+                    Steps::Multiply(steps) => lines.add(lanes, steps, first, values, openings),
+                    Steps::Ridge(steps) => lines.add(lanes, steps, first, values, openings),
+                    Steps::Hybrid(steps) => lines.add(lanes, steps, first, values, openings),
+                }
             }
             for (step, octave) in &rows.octaves {
-                with_step!(step, step => octave.add(lanes, *step, &mut samples));
+                let mut noise = AlignedArray([0.0; ROOM]);
+                let noise = &mut noise.0[..count];
+                octave.fill(lanes, first * group, noise);
+                with_step!(step, step => add_noise(lanes, *step, noise, values, openings));
             }
             if let Some(tail) = &rows.tail {
-                samples.finish(lanes, tail);
+                finish(lanes, *tail, values, openings);
             }
-            out.copy_from_slice(&values.0[from - first * L::WIDTH..][..out.len()]);
+            out.copy_from_slice(&values[from - first * group..][..out.len()]);
         }
     }
 }
 
-/// Consecutive samples of a row, whole vectors of them.
-pub(super) struct Samples<'a> {
-    /// Vectors of the row before these.
-    pub first: usize,
-    pub values: &'a mut [f32],
-    pub openings: &'a mut [f32],
-}
-
-impl Samples<'_> {
-    /// Number of vectors.
-    #[inline(always)]
-    pub(super) fn vectors<L: Lanes>(&self) -> usize {
-        self.values.len() / L::WIDTH
-    }
-
-    /// Adds the tail's values.
-    #[inline(always)]
-    fn finish<L: Lanes>(&mut self, lanes: L, tail: &Table) {
-        let tail = *tail;
-        for (value, opening) in self.values.chunks_exact_mut(L::WIDTH).zip(self.openings.chunks_exact(L::WIDTH)) {
-            let sum = lanes.load(value) + Real(lanes.load(opening)).interpolated(lanes, &tail).0;
-            lanes.store(sum, value);
-        }
-    }
-}
-
-/// Adds an octave's noise to a vector of samples.
+/// Adds an octave's noise to samples.
 #[inline(always)]
-pub(super) fn add<L: Lanes, S: Step>(lanes: L, step: S, noise: L::Floats, value: &mut [f32], opening: &mut [f32]) {
-    let before = State { value: Real(lanes.load(value)), opening: Real(if S::OPENS { lanes.load(opening) } else { lanes.splat(1.0) }) };
-    let after: State<Real<L>> = step.after(lanes, Real(noise), before);
-    lanes.store(after.value.0, value);
-    if S::OPENS {
-        lanes.store(after.opening.0, opening);
+pub(super) fn add_noise<L: Lanes, S: Step>(lanes: L, step: S, noise: &[f32], values: &mut [f32], openings: &mut [f32]) {
+    let states = values.chunks_exact_mut(L::WIDTH).zip(openings.chunks_exact_mut(L::WIDTH));
+    for (noise, (value, opening)) in noise.chunks_exact(L::WIDTH).zip(states) {
+        let state = State::load::<S>(lanes, value, opening);
+        step.after(lanes, Real(lanes.load(noise)), state).store::<S>(lanes, value, opening);
+    }
+}
+
+/// Adds what is left out.
+#[inline(always)]
+pub(super) fn finish<L: Lanes>(lanes: L, tail: Table, values: &mut [f32], openings: &[f32]) {
+    for (value, opening) in values.chunks_exact_mut(L::WIDTH).zip(openings.chunks_exact(L::WIDTH)) {
+        let sum = lanes.load(value) + Real(lanes.load(opening)).interpolated(lanes, &tail).0;
+        lanes.store(sum, value);
     }
 }

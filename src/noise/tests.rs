@@ -131,7 +131,8 @@ fn gradient_noise_stays_in_its_range_and_uses_it() {
 #[test]
 fn the_mean_stays_from_level_to_level() {
     for shape in SHAPES {
-        for basis in [Basis::OPerlin, Basis::IPerlin, Basis::Blender, Basis::CellNoise, Basis::Voronoi { feature: Feature::F1, metric: Metric::Distance }] {
+        let voronoi = Basis::Voronoi { feature: Feature::F1, metric: Metric::Distance };
+        for basis in [Basis::OPerlin, Basis::IPerlin, Basis::Blender, Basis::CellNoise, voronoi] {
             let means: Vec<f64> = (0..9).map(|level| mean_at(shape, basis, 0.02 * f64::from(1 << level))).collect();
             let [low, high] = Field::exact(shape, basis, 7).range();
             let amplitude = f64::from(high - low).min(2.0) / 2.0;

@@ -128,7 +128,7 @@ impl Lanes for Avx2 {
         fn where_less(self, a: Self::Floats, b: Self::Floats, yes: Self::Floats, no: Self::Floats) -> Self::Floats
             = Vector(_mm256_blendv_ps(no.0, yes.0, _mm256_cmp_ps::<_CMP_LT_OQ>(a.0, b.0)));
         fn to_words(self, a: Self::Floats) -> Self::Words = Vector(_mm256_castps_si256(a.0));
-        fn from_words(self, a: Self::Words) -> Self::Floats = Vector(_mm256_castsi256_ps(a.0));
+        fn to_floats(self, a: Self::Words) -> Self::Floats = Vector(_mm256_castsi256_ps(a.0));
         fn shl<const N: u32>(self, a: Self::Words) -> Self::Words = Vector(_mm256_sllv_epi32(a.0, _mm256_set1_epi32(N as i32)));
         fn shr<const N: u32>(self, a: Self::Words) -> Self::Words = Vector(_mm256_srlv_epi32(a.0, _mm256_set1_epi32(N as i32)));
         fn sar<const N: u32>(self, a: Self::Words) -> Self::Words = Vector(_mm256_srav_epi32(a.0, _mm256_set1_epi32(N as i32)));
@@ -185,7 +185,7 @@ impl Lanes for Avx512 {
         fn where_less(self, a: Self::Floats, b: Self::Floats, yes: Self::Floats, no: Self::Floats) -> Self::Floats
             = Vector(_mm512_mask_blend_ps(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a.0, b.0), no.0, yes.0));
         fn to_words(self, a: Self::Floats) -> Self::Words = Vector(_mm512_castps_si512(a.0));
-        fn from_words(self, a: Self::Words) -> Self::Floats = Vector(_mm512_castsi512_ps(a.0));
+        fn to_floats(self, a: Self::Words) -> Self::Floats = Vector(_mm512_castsi512_ps(a.0));
         fn shl<const N: u32>(self, a: Self::Words) -> Self::Words = Vector(_mm512_slli_epi32::<N>(a.0));
         fn shr<const N: u32>(self, a: Self::Words) -> Self::Words = Vector(_mm512_srli_epi32::<N>(a.0));
         fn sar<const N: u32>(self, a: Self::Words) -> Self::Words = Vector(_mm512_srai_epi32::<N>(a.0));
@@ -197,7 +197,7 @@ impl Lanes for Avx512 {
             let table = _mm512_broadcast_f32x8(_mm256_loadu_ps(table.as_ptr()));
             Vector(_mm512_permutexvar_ps(index.0, table))
         };
-        fn lookup16(self, table: &[f32; 16], index: Self::Words) -> Self::Floats = Vector(_mm512_permutexvar_ps(index.0, _mm512_loadu_ps(table.as_ptr())));
+        fn lookup16(self, table: &[f32; 16], index: Self::Words) -> Self::Floats = Vector(_mm512_permutexvar_ps(index.0, self.load(table).0));
         fn twelfths(self, tables: &[[u8; 16]; 2], hash: Self::Words) -> [Self::Floats; 2] = {
             // The number stands in the top byte; the other bytes' top bits are set, which answers zero.
             let number = _mm512_slli_epi32::<8>(_mm512_mulhi_epu16(hash.0, _mm512_set1_epi16(12)));
