@@ -4,7 +4,7 @@ CARGO ?= cargo
 NPM ?= npm
 NPM_CI = $(NPM) ci --no-audit --no-fund --silent
 
-.PHONY: run viewer test format lint unit browser soak bench clean
+.PHONY: run viewer test format lint unit browser soak bench pictures fuzz clean
 
 run: viewer
 	$(CARGO) run --release -- serve
@@ -42,6 +42,17 @@ browser: viewer
 # The long forms: hours of what `make test` does in seconds.
 soak:
 	TERRANE_KILLS=500 $(CARGO) test --release --test it -- program::a_killed_server
+	TERRANE_PROGRAMMES=100000 $(CARGO) test --release --test it -- properties::
+	$(CARGO) test --release --test it -- --ignored --nocapture costs::costs_are_predicted
+
+# The pictures of docs/programmes.md.
+pictures: viewer
+	$(CARGO) build --release
+	docs/pictures/draw "$${CARGO_TARGET_DIR:-$(CURDIR)/target}/release/terrane"
+
+# Needs cargo-fuzz. What is found worth keeping stands in fuzz/corpus, which `make test` replays.
+fuzz:
+	RUSTC_BOOTSTRAP=1 $(CARGO) fuzz run programme -- -dict=fuzz/programme.dict -max_len=2048 -timeout=20 -max_total_time=$${TERRANE_FUZZ_SECONDS:-1800}
 
 bench: viewer
 	$(CARGO) bench
