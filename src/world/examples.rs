@@ -20,13 +20,37 @@ pub const EXAMPLES: [Example; 6] = [
 ];
 
 /// Every programme that ships with the library.
-pub const PRESETS: [Example; 6] = [
+pub const PRESETS: [Example; 30] = [
     Example { name: "alps", json: include_str!("../../data/programmes/alps.json") },
     Example { name: "archipelago", json: include_str!("../../data/programmes/archipelago.json") },
+    Example { name: "atolls", json: include_str!("../../data/programmes/atolls.json") },
+    Example { name: "badlands", json: include_str!("../../data/programmes/badlands.json") },
+    Example { name: "basin-and-range", json: include_str!("../../data/programmes/basin-and-range.json") },
+    Example { name: "canyonlands", json: include_str!("../../data/programmes/canyonlands.json") },
+    Example { name: "craters", json: include_str!("../../data/programmes/craters.json") },
+    Example { name: "cuestas", json: include_str!("../../data/programmes/cuestas.json") },
+    Example { name: "drumlins", json: include_str!("../../data/programmes/drumlins.json") },
     Example { name: "dunes", json: include_str!("../../data/programmes/dunes.json") },
     Example { name: "eq2", json: include_str!("../../data/programmes/eq2.json") },
+    Example { name: "fjords", json: include_str!("../../data/programmes/fjords.json") },
+    Example { name: "foothills", json: include_str!("../../data/programmes/foothills.json") },
+    Example { name: "glacial-valleys", json: include_str!("../../data/programmes/glacial-valleys.json") },
+    Example { name: "gorges", json: include_str!("../../data/programmes/gorges.json") },
     Example { name: "hills", json: include_str!("../../data/programmes/hills.json") },
+    Example { name: "inselbergs", json: include_str!("../../data/programmes/inselbergs.json") },
+    Example { name: "karst", json: include_str!("../../data/programmes/karst.json") },
+    Example { name: "lava-field", json: include_str!("../../data/programmes/lava-field.json") },
+    Example { name: "limestone-pavement", json: include_str!("../../data/programmes/limestone-pavement.json") },
     Example { name: "mesas", json: include_str!("../../data/programmes/mesas.json") },
+    Example { name: "moors", json: include_str!("../../data/programmes/moors.json") },
+    Example { name: "plains", json: include_str!("../../data/programmes/plains.json") },
+    Example { name: "polygons", json: include_str!("../../data/programmes/polygons.json") },
+    Example { name: "rice-terraces", json: include_str!("../../data/programmes/rice-terraces.json") },
+    Example { name: "salt-pan", json: include_str!("../../data/programmes/salt-pan.json") },
+    Example { name: "sea-cliffs", json: include_str!("../../data/programmes/sea-cliffs.json") },
+    Example { name: "spires", json: include_str!("../../data/programmes/spires.json") },
+    Example { name: "star-dunes", json: include_str!("../../data/programmes/star-dunes.json") },
+    Example { name: "volcanoes", json: include_str!("../../data/programmes/volcanoes.json") },
 ];
 
 #[cfg(test)]
