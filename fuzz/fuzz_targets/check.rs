@@ -37,7 +37,8 @@ fn holds(programme: &Programme, place: u8) {
     if programme.check_cost().is_err() && tape.cost_ns(spacing / frame.scale, filter) > COST_LIMIT_NS {
         return;
     }
-    let window = Window::area([far, -far, far + 9.0 * spacing, 2.0 * spacing - far], spacing, filter, 100).expect("a window");
+    // Far out the finest spacings make no area.
+    let Ok(window) = Window::area([far, -far, far + 9.0 * spacing, 2.0 * spacing - far], spacing, filter, 100) else { return };
     let mut heights = vec![0.0; window.samples()];
     tape.evaluate(&frame, &window, &mut heights);
     let reference = Reference::new(programme.root(), &frame, spacing, filter);

@@ -34,7 +34,8 @@ impl Tape {
     /// Exact samples further apart than the valleys of an erosion cost more: each has to find a network of its own.
     #[must_use]
     pub fn peak_cost_ns(&self) -> f64 {
-        let band = (-24..=6).map(|level| self.cost_ns(f64::powi(2.0, level), Filter::Band)).fold(0.0, f64::max);
+        let spacings = core::iter::successors(Some(64.0), |spacing| Some(spacing / 2.0)).take(31);
+        let band = spacings.map(|spacing| self.cost_ns(spacing, Filter::Band)).fold(0.0, f64::max);
         let pitches = self.graph.erosions.iter().flat_map(|eroded| eroded.erosion.pitches().map(|(pitch, _)| pitch));
         let finest = pitches.fold(64.0, f64::min);
         band.max(self.cost_ns(finest / 2.0, Filter::Exact))
@@ -136,10 +137,9 @@ fn step_ns(step: Step) -> f64 {
         Step::Unary(Unary::Tan, _) => 7.0,
         Step::Unary(_, _) => 5.0,
         Step::Binary(Binary::Power, ..) => 30.0,
-        Step::Binary(Binary::Mod, ..) => 1.0,
         Step::Binary(Binary::Divide, ..) => 0.5,
+        Step::Binary(Binary::Mod, ..) | Step::Terrace(..) | Step::TerraceSlope(..) => 1.0,
         Step::Binary(..) | Step::Select(..) => 0.2,
-        Step::Terrace(..) | Step::TerraceSlope(..) => 1.0,
         Step::Shape(..) | Step::ShapeSlope(..) => 4.0,
         Step::Number(_) | Step::Coordinate(..) => 0.3,
         Step::Noise(..) | Step::NoiseSlope(..) | Step::Erosion(..) => 0.0,

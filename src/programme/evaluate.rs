@@ -152,10 +152,14 @@ impl<'a> Evaluation<'a> {
             for d in offsets(n, window.spacing()) {
                 self.row(y + d, &mut fine);
                 for (mean, fine) in row.iter_mut().zip(fine.chunks(n)) {
-                    fine.iter().for_each(|value| *mean += value);
+                    for value in fine {
+                        *mean += value;
+                    }
                 }
             }
-            row.iter_mut().for_each(|mean| *mean *= 1.0 / (n * n) as f32);
+            for mean in row {
+                *mean *= 1.0 / (n * n) as f32;
+            }
         }
         self.non_finite
     }

@@ -57,9 +57,8 @@ fn binary(graph: &Graph, operation: Binary, a: Id, b: Id) -> Option<Id> {
         Binary::Plus if is(b, -0.0) => Some(a),
         Binary::Plus if is(a, -0.0) => Some(b),
         Binary::Minus if is(b, 0.0) => Some(a),
-        Binary::Multiply if is(b, 1.0) => Some(a),
+        Binary::Multiply | Binary::Divide if is(b, 1.0) => Some(a),
         Binary::Multiply if is(a, 1.0) => Some(b),
-        Binary::Divide if is(b, 1.0) => Some(a),
         Binary::Min | Binary::Max if a == b => Some(a),
         _ => None,
     }

@@ -27,6 +27,7 @@ fn measured_ns(tape: &Tape, spacing: f64, filter: Filter) -> f64 {
 /// Measured over predicted cost lies in 1/3 … 2 for 95 % of programmes, and is at most 3.
 #[test]
 #[ignore = "measures time: run by make soak"]
+#[expect(clippy::print_stderr, reason = "figures for the reader")]
 fn costs_are_predicted() {
     let count = std::env::var("TERRANE_COSTS").map_or(2_000, |text| text.parse().unwrap());
     let mut ratios: Vec<(f64, String)> = (0..count)
@@ -60,17 +61,16 @@ fn costs_are_predicted() {
 
 /// The table that the constants are chosen by.
 #[test]
+#[expect(clippy::print_stderr, reason = "figures for the reader")]
 #[ignore = "measures time: for choosing the constants of the cost model"]
 fn cost_table() {
     for text in TABLE {
         let tape = Tape::compile(Programme::parse(text).unwrap().root());
-        let mut line = format!("{text:60}");
-        for samples in [64.0, 8.0, 3.0, 1.0, 0.3] {
+        let figures = [64.0, 8.0, 3.0, 1.0, 0.3].map(|samples| {
             let spacing = 1.0 / samples;
-            let ns = measured_ns(&tape, spacing, Filter::Exact);
-            line += &format!("  {ns:7.2} /{:6.2}", tape.cost_ns(spacing, Filter::Exact));
-        }
-        eprintln!("{line}");
+            format!("  {:7.2} /{:6.2}", measured_ns(&tape, spacing, Filter::Exact), tape.cost_ns(spacing, Filter::Exact))
+        });
+        eprintln!("{text:60}{}", figures.concat());
     }
 }
 

@@ -240,3 +240,13 @@ async fn a_worlds_base_is_a_shader_that_is_known_by_its_revision() {
     let refused = client.get("/worlds/large/shader.glsl").await.problem();
     assert!(refused.starts_with("404 world: with smooth, slope and gradients written out the programme has"), "{refused}");
 }
+
+#[tokio::test]
+async fn exact_tiles_that_would_take_minutes_are_refused() {
+    let client = Client::new().await;
+    let world = json!({"seed": 1, "base": {"programme": "erosion(fbm(1, 2, 8))", "scale": 1000}}).to_string();
+    assert_eq!(client.send(Method::PUT, "/worlds/valleys", &[], world).await.status, StatusCode::CREATED);
+    let refused = client.get("/worlds/valleys/metric/r32/3/0/0.bin?filter=exact").await.problem();
+    assert!(refused.starts_with("400 filter: exact samples 16384 m apart would take this world about"), "{refused}");
+    assert_eq!(client.get("/worlds/valleys/metric/r32/3/0/0.bin").await.status, StatusCode::OK);
+}

@@ -64,9 +64,18 @@ pub(crate) async fn get_tile(
     }
     let window = request.window().map_err(|error| ApiError::absent("tile", error.to_string()))?;
     let cost_ns = live.world.cost_ns(&window);
+    if cost_ns > MOST_TILE_NS {
+        let (spacing, seconds) = (window.spacing(), cost_ns / 1e9);
+        let detail = format!("exact samples {spacing} m apart would take this world about {seconds:.0} s a tile: ask for filter=band or a finer zoom");
+        return Err(ApiError::parameter("filter", detail));
+    }
     let bytes = app.0.tiles.get(fingerprint, cost_ns, move || tile::render(&live.world, &request)).await?;
     Ok(tagged(([(header::CONTENT_TYPE, request.tileset.media_type())], bytes), &tag, freshness))
 }
+
+/// The greatest predicted time of a tile. Filtered tiles stay far below, by the budget of programmes; exact samples further apart than the valleys of an erosion do
+/// not.
+const MOST_TILE_NS: f64 = 1e10;
 
 /// What viewers need to know of a tileset.
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}", tag = "tiles", params(
