@@ -5,7 +5,7 @@ use super::{
     motion::Motion,
     operation::{Binary, Unary},
 };
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// Half the distance of a difference, in programme units.
 pub(super) const DIFFERENCE: f64 = 1.0 / 1_024.0;
@@ -13,14 +13,14 @@ pub(super) const DIFFERENCE: f64 = 1.0 / 1_024.0;
 /// The derivatives found so far, of one axis. Numbers have none, which stands for 0 and is not added or multiplied.
 struct Derivatives {
     axis: Axis,
-    steps: HashMap<Id, Option<Id>>,
-    places: HashMap<PlaceId, [Option<Id>; 2]>,
+    steps: BTreeMap<Id, Option<Id>>,
+    places: BTreeMap<PlaceId, [Option<Id>; 2]>,
 }
 
 impl Builder {
     /// The derivative of a step along an axis of the programme's plane, in its values a programme unit.
     pub(super) fn derivative(&mut self, root: Id, axis: Axis) -> Id {
-        let mut known = Derivatives { axis, steps: HashMap::new(), places: HashMap::new() };
+        let mut known = Derivatives { axis, steps: BTreeMap::new(), places: BTreeMap::new() };
         for id in self.graph.reachable(root) {
             if self.is_full() {
                 return 0;

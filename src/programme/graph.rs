@@ -8,7 +8,7 @@ use super::{
     terrace::Terrace,
 };
 use crate::noise::{Basis, Erosion, FieldShape};
-use std::{collections::HashMap, sync::Arc};
+use std::{collections::BTreeMap, sync::Arc};
 
 /// Most steps of a programme whose derivatives and averages are written out.
 pub(super) const MAX_STEPS: usize = 65_536;
@@ -20,7 +20,7 @@ pub(super) type Id = usize;
 pub(super) type PlaceId = usize;
 
 /// A finite number that is told apart by its bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Exact(u64);
 
 impl Exact {
@@ -34,7 +34,7 @@ impl Exact {
 }
 
 /// Where a step is evaluated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Place {
     /// The sample's programme coordinates, plus a constant.
     Grid { du: Exact, dv: Exact },
@@ -68,14 +68,14 @@ pub(super) struct Eroded {
 }
 
 /// An axis of the programme's plane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Axis {
     U,
     V,
 }
 
 /// One value of the graph.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Step {
     /// The f32 of these bits.
     Number(u32),
@@ -180,8 +180,8 @@ pub(super) struct TooLarge;
 /// A graph being made. Equal steps are made once.
 pub(super) struct Builder {
     pub graph: Graph,
-    steps: HashMap<Step, Id>,
-    places: HashMap<Place, PlaceId>,
+    steps: BTreeMap<Step, Id>,
+    places: BTreeMap<Place, PlaceId>,
     simplify: bool,
     /// Steps of the graphs that are eroded.
     kept: usize,
@@ -190,7 +190,7 @@ pub(super) struct Builder {
 
 impl Builder {
     pub(super) fn new(simplify: bool) -> Self {
-        let mut builder = Self { graph: Graph::default(), steps: HashMap::new(), places: HashMap::new(), simplify, kept: 0, too_large: false };
+        let mut builder = Self { graph: Graph::default(), steps: BTreeMap::new(), places: BTreeMap::new(), simplify, kept: 0, too_large: false };
         builder.grid(0.0, 0.0);
         builder
     }

@@ -1,7 +1,7 @@
 //! The same value elsewhere: what a warp, an average and a difference are made of.
 
 use super::graph::{Builder, HERE, Id, Place, PlaceId, Step};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// How the sample's place is exchanged for another.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +15,7 @@ pub(super) enum Motion {
 impl Builder {
     /// The step that has at a sample the value which `root` has at the moved sample.
     pub(super) fn relocate(&mut self, root: Id, motion: Motion) -> Id {
-        let (mut steps, mut places) = (HashMap::new(), HashMap::new());
+        let (mut steps, mut places) = (BTreeMap::new(), BTreeMap::new());
         for id in self.graph.reachable(root) {
             if self.is_full() {
                 return 0;
@@ -41,7 +41,7 @@ impl Builder {
         steps[&root]
     }
 
-    fn relocate_place(&mut self, place: PlaceId, motion: Motion, steps: &HashMap<Id, Id>, places: &mut HashMap<PlaceId, PlaceId>) -> PlaceId {
+    fn relocate_place(&mut self, place: PlaceId, motion: Motion, steps: &BTreeMap<Id, Id>, places: &mut BTreeMap<PlaceId, PlaceId>) -> PlaceId {
         if let Some(&moved) = places.get(&place) {
             return moved;
         }

@@ -3,7 +3,7 @@
 use crate::noise::{Feature, elementary};
 
 /// A function of one value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Unary {
     /// sin a, radians.
     Sin,
@@ -48,7 +48,7 @@ impl Unary {
 }
 
 /// A function of two values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Binary {
     /// a + b.
     Plus,

@@ -7,7 +7,7 @@ use super::{
     node::Node,
 };
 use crate::{geometry::Window, noise::Isa};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// What a value depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -158,7 +158,7 @@ struct Compiler {
     free: Vec<usize>,
     places: Vec<Option<Points>>,
     /// The derivatives of noises.
-    slopes: HashMap<Step, Id>,
+    slopes: BTreeMap<Step, Id>,
 }
 
 impl Compiler {

@@ -3,7 +3,7 @@
 use super::graph::Exact;
 
 /// What turns a height into steps: n a unit; the riser takes the last 1 - sharpness of each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Terrace {
     pub(super) n: Exact,
     pub(super) sharpness: Exact,
