@@ -41,7 +41,7 @@ pub(super) struct Axis<L: Lanes> {
 }
 
 impl Lattice {
-    /// Whether coordinates up to a magnitude have cells whose numbers fit 52 bits, as [`Lattice::axis`] needs them.
+    /// Whether coordinates up to a magnitude have cells whose numbers fit 52 bits, as vectors of them need.
     pub(super) fn holds(&self, greatest: f64) -> bool {
         greatest * self.frequency < 1e15
     }
@@ -116,9 +116,9 @@ impl Located {
 
     #[inline(always)]
     fn write<L: Lanes>(&mut self, lanes: L, lattice: &Lattice, fade: Fade, start: usize, coordinates: &[f64]) {
-        let (cell, fraction) = lattice.locate_lanes(lanes, 0, lanes.load_doubles(coordinates));
-        let keys = hash::keys::<L, false>(lanes, 0, 0, cell);
-        lanes.store_words(cell[0], &mut self.cells[start..]);
+        let (words, fraction) = lattice.locate_lanes(lanes, 0, lanes.load_doubles(coordinates));
+        let keys = hash::keys::<L, false>(lanes, 0, 0, words);
+        lanes.store_words(words[0], &mut self.cells[start..]);
         lanes.store_words(keys[0], &mut self.keys[0][start..]);
         lanes.store_words(keys[1], &mut self.keys[1][start..]);
         lanes.store(lanes.round(fraction), &mut self.fractions[start..]);

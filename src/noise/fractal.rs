@@ -54,7 +54,7 @@ pub(super) struct Multiply {
     pub base: f32,
 }
 
-/// s = (offset - |n|)² · opening: v + s · weight, opening = clamp(gain · s, 0, 1).
+/// s = (offset - |n|)² · opening: v + s · weight, opening = min(gain · s, 1), gain ≥ 0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ridge {
     pub offset: f32,
@@ -126,7 +126,7 @@ impl Opening for Ridge {
 
     #[inline(always)]
     fn opened<L: Lanes, N: Number<L>>(&self, lanes: L, signal: N) -> N {
-        signal.scaled(lanes, self.gain).at_least(lanes, 0.0).at_most(lanes, 1.0)
+        signal.scaled(lanes, self.gain).at_most(lanes, 1.0)
     }
 
     #[inline(always)]

@@ -114,7 +114,7 @@ pub(super) fn at(gradients: Gradients, lattice: &Lattice, amplitude: f32, u: f64
 }
 
 /// The noise of Blender at a point, times `amplitude`: each corner of the cell adds its gradient's value times the radial kernel 1 - 3 r² + 2 r³ of its
-/// distance r < 1.
+/// distance r < 1, computed as (1 - r)² (1 + 2 r).
 pub(super) fn blender_at(lattice: &Lattice, amplitude: f32, u: f64, v: f64) -> f32 {
     let (column, row) = (lattice.locate(0, u), lattice.locate(1, v));
     let (fx, fy) = (column.fraction as f32, row.fraction as f32);
@@ -123,7 +123,8 @@ pub(super) fn blender_at(lattice: &Lattice, amplitude: f32, u: f64, v: f64) -> f
         let [gx, gy] = Gradients::Unit.of(hash::corner(hash::column_key(column.cell + i), hash::row_key(row.cell + j, lattice.seed)));
         let (dx, dy) = (fx - i as f32, fy - j as f32);
         let square = dx * dx + dy * dy;
-        let kernel = if square < 1.0 { (1.0 - 3.0 * square) + 2.0 * (square * square.sqrt()) } else { 0.0 };
+        let (radius, rest) = (square.sqrt(), 1.0 - square.sqrt());
+        let kernel = if square < 1.0 { rest * rest * (1.0 + (radius + radius)) } else { 0.0 };
         sum += kernel * (gx * dx + gy * dy);
     }
     sum * (BLENDER_SCALE * amplitude)
@@ -140,8 +141,8 @@ pub(super) trait Noise: Copy {
 
     /// What brings the greatest value to 1.
     fn scale() -> f32;
-    /// The gradients of corners.
-    fn gradients<L: Lanes>(lanes: L, hash: L::Words) -> [L::Floats; 2];
+    /// The gradients of the corners whose keys are given.
+    fn gradients<L: Lanes>(lanes: L, columns: L::Words, rows: L::Words) -> [L::Floats; 2];
     /// `scale` times the noise.
     fn value<L: Lanes>(lanes: L, scale: L::Floats, x: &Axis<L>, y: &Axis<L>) -> L::Floats;
     /// The same with its slopes along both axes, a cell being the unit.
@@ -170,8 +171,8 @@ impl Noise for OPerlin {
     }
 
     #[inline(always)]
-    fn gradients<L: Lanes>(lanes: L, hash: L::Words) -> [L::Floats; 2] {
-        unit_gradients(lanes, hash)
+    fn gradients<L: Lanes>(lanes: L, columns: L::Words, rows: L::Words) -> [L::Floats; 2] {
+        unit_gradients(lanes, hash::top_of_corners(lanes, columns, rows))
     }
 
     #[inline(always)]
@@ -195,7 +196,7 @@ impl Noise for IPerlin {
     }
 
     #[inline(always)]
-    fn gradients<L: Lanes>(lanes: L, hash: L::Words) -> [L::Floats; 2] {
+    fn gradients<L: Lanes>(lanes: L, columns: L::Words, rows: L::Words) -> [L::Floats; 2] {
         // The top bytes of 0, 2 and -2.
         const TOP: [[u8; 16]; 2] = {
             let mut tables = [[0; 16]; 2];
@@ -207,7 +208,7 @@ impl Noise for IPerlin {
             }
             tables
         };
-        lanes.twelfths(&TOP, hash)
+        lanes.twelfths(&TOP, hash::corners(lanes, columns, rows))
     }
 
     #[inline(always)]
@@ -231,8 +232,8 @@ impl Noise for Blender {
     }
 
     #[inline(always)]
-    fn gradients<L: Lanes>(lanes: L, hash: L::Words) -> [L::Floats; 2] {
-        unit_gradients(lanes, hash)
+    fn gradients<L: Lanes>(lanes: L, columns: L::Words, rows: L::Words) -> [L::Floats; 2] {
+        unit_gradients(lanes, hash::top_of_corners(lanes, columns, rows))
     }
 
     #[inline(always)]
@@ -284,8 +285,8 @@ pub(super) fn mixed<F: Copy + core::ops::Add<Output = F> + core::ops::Sub<Output
 /// The gradients south and north of the cells on one of their sides, and so the line there. Not a closure over the sides: those are not compiled for the set.
 #[inline(always)]
 fn side<L: Lanes, N: Noise>(lanes: L, x: &Axis<L>, y: &Axis<L>, side: usize) -> [[L::Floats; 2]; 2] {
-    let south = N::gradients(lanes, hash::corners(lanes, x.keys[side], y.keys[0]));
-    let north = N::gradients(lanes, hash::corners(lanes, x.keys[side], y.keys[1]));
+    let south = N::gradients(lanes, x.keys[side], y.keys[0]);
+    let north = N::gradients(lanes, x.keys[side], y.keys[1]);
     [south, north]
 }
 
@@ -332,13 +333,14 @@ fn radial_dual<L: Lanes>(lanes: L, scale: L::Floats, x: &Axis<L>, y: &Axis<L>) -
     let (zero, one) = (number(0.0), number(1.0));
     let mut sum = [zero; 3];
     for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-        let [gx, gy] = unit_gradients(lanes, hash::corners(lanes, x.keys[i], y.keys[j]));
+        let [gx, gy] = Blender::gradients(lanes, x.keys[i], y.keys[j]);
         let (dx, dy) = (x.fraction - number(i as f32), y.fraction - number(j as f32));
         let square = dx * dx + dy * dy;
         let radius = lanes.sqrt(square);
-        let kernel = (one - number(3.0) * square) + number(2.0) * (square * radius);
+        let rest = one - radius;
+        let kernel = rest * rest * (one + (radius + radius));
         let kernel = lanes.where_less(square, one, kernel, zero);
-        let turn = lanes.where_less(square, one, number(6.0) * (radius - one), zero);
+        let turn = lanes.where_less(square, one, number(-6.0) * rest, zero);
         let value = gx * dx + gy * dy;
         sum[0] = sum[0] + kernel * value;
         sum[1] = sum[1] + (turn * dx * value + kernel * gx);

@@ -18,19 +18,18 @@ pub fn key(parent: u64, number: u64) -> u64 {
 }
 
 /// Factors of the low and the high word of a column's and of a row's number.
-const COLUMN: [u32; 2] = [0x9e37_79b1, 0x27d4_eb2f];
-const ROW: [u32; 2] = [0x85eb_ca77, 0xc2b2_ae3d];
+const FACTORS: [[u32; 2]; 2] = [[0x9e37_79b1, 0x27d4_eb2f], [0x85eb_ca77, 0xc2b2_ae3d]];
 
 /// A column's share of a corner's hash.
 #[inline(always)]
 pub(super) fn column_key(i: i64) -> u32 {
-    (i as u32).wrapping_mul(COLUMN[0]) ^ ((i >> 32) as u32).wrapping_mul(COLUMN[1])
+    (i as u32).wrapping_mul(FACTORS[0][0]) ^ ((i >> 32) as u32).wrapping_mul(FACTORS[0][1])
 }
 
 /// A row's share of a corner's hash, the lattice's seed included.
 #[inline(always)]
 pub(super) fn row_key(j: i64, seed: u32) -> u32 {
-    (j as u32).wrapping_mul(ROW[0]) ^ ((j >> 32) as u32).wrapping_mul(ROW[1]) ^ seed
+    (j as u32).wrapping_mul(FACTORS[1][0]) ^ ((j >> 32) as u32).wrapping_mul(FACTORS[1][1]) ^ seed
 }
 
 /// The 32 random bits of a lattice corner.
@@ -47,10 +46,16 @@ pub(super) fn corner(column: u32, row: u32) -> u32 {
 /// [`corner`] of every lane.
 #[inline(always)]
 pub(super) fn corners<L: Lanes>(lanes: L, columns: L::Words, rows: L::Words) -> L::Words {
+    let h = top_of_corners(lanes, columns, rows);
+    h ^ lanes.shr::<15>(h)
+}
+
+/// The topmost 15 bits of [`corner`] of every lane, which its last step does not change, above others.
+#[inline(always)]
+pub(super) fn top_of_corners<L: Lanes>(lanes: L, columns: L::Words, rows: L::Words) -> L::Words {
     let h = columns ^ rows;
     let h = (h ^ lanes.shr::<16>(h)) * lanes.splat_words(0x21f0_aaad);
-    let h = (h ^ lanes.shr::<15>(h)) * lanes.splat_words(0xd35a_2d97);
-    h ^ lanes.shr::<15>(h)
+    (h ^ lanes.shr::<15>(h)) * lanes.splat_words(0xd35a_2d97)
 }
 
 /// [`column_key`] (axis 0) or [`row_key`] (axis 1) of the cells whose low and high words are given, and of the next cells.
@@ -58,19 +63,19 @@ pub(super) fn corners<L: Lanes>(lanes: L, columns: L::Words, rows: L::Words) -> 
 /// `NEAR` says that all numbers fit 32 bits with their sign: the high word is then the low one's sign and need not be known.
 #[inline(always)]
 pub(super) fn keys<L: Lanes, const NEAR: bool>(lanes: L, axis: usize, seed: u32, [low, high]: [L::Words; 2]) -> [L::Words; 2] {
-    let [low_factor, high_factor, seed] = if axis == 0 { [COLUMN[0], COLUMN[1], 0] } else { [ROW[0], ROW[1], seed] };
-    let (factor, one) = (lanes.splat_words(low_factor), lanes.splat_words(1));
-    let next = low + one;
-    let (near, seed) = (low * factor, lanes.splat_words(seed));
-    let far = near + factor;
+    let [low_factor, high_factor] = FACTORS[axis];
+    let (factor, next) = (lanes.splat_words(low_factor), low + lanes.splat_words(1));
+    let seed = lanes.splat_words(if axis == 0 { 0 } else { seed });
+    let near = low * factor;
+    let (near, far) = (near ^ seed, (near + factor) ^ seed);
     if NEAR {
         let negative = lanes.splat_words(high_factor.wrapping_neg());
-        return [near ^ (lanes.sar::<31>(low) & negative) ^ seed, far ^ (lanes.sar::<31>(next) & negative) ^ seed];
+        return [near ^ (lanes.sar::<31>(low) & negative), far ^ (lanes.sar::<31>(next) & negative)];
     }
     // A carry is where the top bit falls from one to zero.
     let carried = high + lanes.shr::<31>((low ^ next) & low);
     let high_factor = lanes.splat_words(high_factor);
-    [near ^ (high * high_factor) ^ seed, far ^ (carried * high_factor) ^ seed]
+    [near ^ (high * high_factor), far ^ (carried * high_factor)]
 }
 
 #[cfg(test)]

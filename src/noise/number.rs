@@ -15,7 +15,6 @@ pub(super) trait Number<L: Lanes>: Copy {
     fn scaled(self, lanes: L, by: f32) -> Self;
     fn below(self, lanes: L, bound: f32) -> Self;
     fn abs(self, lanes: L) -> Self;
-    fn at_least(self, lanes: L, bound: f32) -> Self;
     fn at_most(self, lanes: L, bound: f32) -> Self;
     fn interpolated(self, lanes: L, table: &Table) -> Self;
 }
@@ -112,11 +111,6 @@ impl<L: Lanes> Number<L> for Real<L> {
     }
 
     #[inline(always)]
-    fn at_least(self, lanes: L, bound: f32) -> Self {
-        Self(lanes.larger(self.0, lanes.splat(bound)))
-    }
-
-    #[inline(always)]
     fn at_most(self, lanes: L, bound: f32) -> Self {
         Self(lanes.smaller(self.0, lanes.splat(bound)))
     }
@@ -186,14 +180,6 @@ impl<L: Lanes> Number<L> for Dual<L> {
         let sign = lanes.to_words(self.value) & lanes.splat_words(0x8000_0000);
         let [du, dv] = [lanes.to_words(self.slopes[0]), lanes.to_words(self.slopes[1])];
         Self { value: lanes.abs(self.value), slopes: [lanes.to_floats(du ^ sign), lanes.to_floats(dv ^ sign)] }
-    }
-
-    #[inline(always)]
-    fn at_least(self, lanes: L, bound: f32) -> Self {
-        let bound = lanes.splat(bound);
-        let ([du, dv], zero) = (self.slopes, lanes.splat(0.0));
-        let slopes = [lanes.where_less(self.value, bound, zero, du), lanes.where_less(self.value, bound, zero, dv)];
-        Self { value: lanes.larger(self.value, bound), slopes }
     }
 
     #[inline(always)]
@@ -276,10 +262,6 @@ impl Number<Plain<1>> for Bound {
     fn abs(self, _: Plain<1>) -> Self {
         let least = if self.low < 0.0 && self.high > 0.0 { 0.0 } else { self.low.abs().min(self.high.abs()) };
         Self { low: least, high: self.magnitude(), slope: self.slope }
-    }
-
-    fn at_least(self, _: Plain<1>, bound: f32) -> Self {
-        Self { low: self.low.max(bound.into()), high: self.high.max(bound.into()), slope: self.slope }
     }
 
     fn at_most(self, _: Plain<1>, bound: f32) -> Self {

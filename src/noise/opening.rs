@@ -44,6 +44,8 @@ impl Signals {
 /// (offset - |n|)², each octave opened by the one before.
 pub(super) fn ridged(basis: Basis, parts: &[Part], offset: f64, gain: f64, octave: impl Fn(usize, f64, AnyStep) -> Octave) -> Field {
     let moments = basis.moments();
+    // A gain below zero never opens anything, nor does zero: so there is no clamp at zero.
+    let gain = gain.max(0.0);
     let signals = |k: usize| Signals {
         likely: basis.parts().iter().map(|&n| (offset - f64::from(n)) * (offset - f64::from(n))).collect(),
         mean: offset * offset - 2.0 * offset * moments.absolute + moments.square,

@@ -9,7 +9,7 @@ use super::{
     basis::{BasisRows, BasisSheet},
     fractal::{AnyStep, State, Step, Steps, with_step},
     number::{Number, Real, Table},
-    sheet::{Lines, SIDE_BY_SIDE},
+    sheet::{Lines, side_by_side},
 };
 
 /// A field along the rows of a window.
@@ -105,7 +105,7 @@ impl Kernel for Fill<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        let (Self { rows, start, out }, group) = (self, SIDE_BY_SIDE * L::WIDTH);
+        let (Self { rows, start, out }, group) = (self, side_by_side::<L>() * L::WIDTH);
         for (chunk, out) in out.chunks_mut(CHUNK).enumerate() {
             let from = start + chunk * CHUNK;
             let first = from / group;

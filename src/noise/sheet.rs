@@ -1,8 +1,8 @@
 //! Gradient noise whose samples share cells, along the rows of a window, several octaves in one go.
 //!
 //! Corners' gradients are hashed once a lattice row, and the lines of [`super::gradient`] computed once a sample row and lattice column, all in vectors. A vector
-//! of samples then fetches its cells' lines by permuting the few lines from its first cell on. Octaves follow each other while the sum is in registers, two
-//! vectors side by side, so that one computes while the other waits.
+//! of samples then fetches its cells' lines by permuting the few lines from its first cell on. Octaves follow each other while the sum is in registers, some
+//! vectors side by side, so that one computes while the others wait.
 
 use super::{
     Lanes,
@@ -15,8 +15,11 @@ use super::{
 };
 use core::marker::PhantomData;
 
-/// Vectors of samples that go side by side.
-pub(super) const SIDE_BY_SIDE: usize = 2;
+/// How many vectors of samples go side by side.
+#[inline(always)]
+pub(super) fn side_by_side<L: Lanes>() -> usize {
+    if L::WIDTH == 8 { 4 } else { 2 }
+}
 
 /// Octaves of one noise whose samples share cells, and their present row.
 pub(super) struct Sheet<N> {
@@ -46,7 +49,7 @@ pub(super) struct Lines {
     /// A, B and A - B of every lattice column, one after the other, each `room` long.
     values: Aligned<f32>,
     room: usize,
-    /// For each two vectors of samples, for each octave, for each of the two: [`BASE`] times the vector's first lattice column plus each sample's cell counted from
+    /// For each group of vectors side by side, for each octave, for each vector: [`BASE`] times the vector's first lattice column plus each sample's cell counted from
     /// there, fractions, fades.
     records: Aligned<f32>,
 }
@@ -108,7 +111,7 @@ impl<N: Noise> Sheet<N> {
 fn plan<L: Lanes, N: Noise>(lanes: L, lattice: Lattice, amplitude: f32, coordinates: &[f64], start: usize) -> Option<Plan> {
     let ends = [lattice.locate(0, *coordinates.first()?).cell, lattice.locate(0, *coordinates.last()?).cell];
     let count = ends[1].checked_sub(ends[0]).and_then(|count| usize::try_from(count).ok()).filter(|&count| count <= coordinates.len().min(MOST))? + 2;
-    let located = Located::new(lanes, &lattice, N::FADE, coordinates, SIDE_BY_SIDE);
+    let located = Located::new(lanes, &lattice, N::FADE, coordinates, side_by_side::<L>());
     let first = ends[0] as u32;
     for cells in located.cells.chunks_exact(L::WIDTH) {
         let base = cells[0].wrapping_sub(first);
@@ -130,11 +133,12 @@ fn plan<L: Lanes, N: Noise>(lanes: L, lattice: Lattice, amplitude: f32, coordina
 /// The records of all octaves.
 #[inline(always)]
 fn records<L: Lanes>(lanes: L, plans: &[Plan]) -> Aligned<f32> {
+    let side = side_by_side::<L>();
     let samples = plans.first().map_or(0, |plan| plan.located.cells.len());
     let mut records = Aligned::new(0.0, 3 * samples * plans.len());
     for (k, Plan { level, located, first }) in plans.iter().enumerate() {
         for (at, cells) in located.cells.chunks_exact(L::WIDTH).enumerate() {
-            let slot = (at / SIDE_BY_SIDE * plans.len() + k) * SIDE_BY_SIDE + at % SIDE_BY_SIDE;
+            let slot = (at / side * plans.len() + k) * side + at % side;
             let record = &mut records[slot * 3 * L::WIDTH..][..3 * L::WIDTH];
             let base = cells[0].wrapping_sub(*first) + level.start as u32;
             let index = lanes.load_words(cells) - lanes.splat_words(cells[0].wrapping_sub(base * BASE));
@@ -164,7 +168,7 @@ impl Level {
             let [gx, gy] = &mut self.corners[side];
             let corners = gx.chunks_exact_mut(L::WIDTH).zip(gy.chunks_exact_mut(L::WIDTH));
             for (keys, (gx, gy)) in self.keys.chunks_exact(L::WIDTH).zip(corners) {
-                let gradients = N::gradients(lanes, hash::corners(lanes, lanes.load_words(keys), y.keys[side]));
+                let gradients = N::gradients(lanes, lanes.load_words(keys), y.keys[side]);
                 lanes.store(gradients[0], gx);
                 lanes.store(gradients[1], gy);
             }
@@ -198,23 +202,55 @@ impl Lines {
     /// Takes samples, whole groups of vectors from the row's group `first` on, through all octaves, a step each.
     #[inline(always)]
     pub(super) fn add<L: Lanes, S: Step>(&self, lanes: L, steps: &[S], first: usize, values: &mut [f32], openings: &mut [f32]) {
+        if side_by_side::<L>() == 4 {
+            self.add_groups::<L, S, 4>(lanes, steps, first, values, openings);
+        } else {
+            self.add_groups::<L, S, 2>(lanes, steps, first, values, openings);
+        }
+    }
+
+    #[inline(always)]
+    fn add_groups<L: Lanes, S: Step, const SIDE: usize>(&self, lanes: L, steps: &[S], first: usize, values: &mut [f32], openings: &mut [f32]) {
         let (a, rest) = self.values.split_at(self.room);
         let (b, c) = rest.split_at(self.room);
-        let lines = [a, b, &c[..self.room]];
-        let (group, record) = (SIDE_BY_SIDE * L::WIDTH, 3 * SIDE_BY_SIDE * L::WIDTH);
+        let (lines, steps) = ([a, b, &c[..self.room]], &steps[..self.octaves]);
+        let (group, record) = (SIDE * L::WIDTH, 3 * SIDE * L::WIDTH);
         let records = self.records[first * record * self.octaves..].chunks_exact(record * self.octaves);
         let states = values.chunks_exact_mut(group).zip(openings.chunks_exact_mut(group));
         for (records, (values, openings)) in records.zip(states) {
-            let (left, right) = (State::<Real<L>>::load::<S>(lanes, values, openings), State::load::<S>(lanes, &values[L::WIDTH..], &openings[L::WIDTH..]));
-            let (mut left, mut right) = (left, right);
-            for (record, step) in records.chunks_exact(record).zip(steps) {
-                left = step.after(lanes, Real(noise(lanes, lines, record)), left);
-                right = step.after(lanes, Real(noise(lanes, lines, &record[3 * L::WIDTH..])), right);
+            let mut states = [State::<Real<L>>::load::<S>(lanes, values, openings); SIDE];
+            for i in 1..SIDE {
+                states[i] = State::load::<S>(lanes, &values[i * L::WIDTH..], &openings[i * L::WIDTH..]);
             }
-            left.store::<S>(lanes, values, openings);
-            right.store::<S>(lanes, &mut values[L::WIDTH..], &mut openings[L::WIDTH..]);
+            // The next octave's noise is begun before this one's is used, so that nothing waits for long.
+            let mut records = records.chunks_exact(record);
+            let mut noises = records.next().map_or([lanes.splat(0.0); SIDE], |record| side::<L, SIDE>(lanes, lines, record));
+            let (last, steps) = steps.split_last().expect("an octave at least");
+            for (record, step) in records.zip(steps) {
+                let next = side::<L, SIDE>(lanes, lines, record);
+                for i in 0..SIDE {
+                    states[i] = step.after(lanes, Real(noises[i]), states[i]);
+                }
+                noises = next;
+            }
+            for i in 0..SIDE {
+                states[i] = last.after(lanes, Real(noises[i]), states[i]);
+            }
+            for i in 0..SIDE {
+                states[i].store::<S>(lanes, &mut values[i * L::WIDTH..], &mut openings[i * L::WIDTH..]);
+            }
         }
     }
+}
+
+/// The noise of vectors side by side.
+#[inline(always)]
+fn side<L: Lanes, const SIDE: usize>(lanes: L, lines: [&[f32]; 3], record: &[f32]) -> [L::Floats; SIDE] {
+    let mut noises = [lanes.splat(0.0); SIDE];
+    for (i, noise) in noises.iter_mut().enumerate() {
+        *noise = self::noise(lanes, lines, &record[3 * i * L::WIDTH..]);
+    }
+    noises
 }
 
 /// The noise of a vector of samples.

@@ -1,5 +1,8 @@
 //! All fast forms against the definitions, bit for bit, and the filter against the mean.
 
+mod reference;
+mod spectrum;
+
 use super::{Basis, Feature, Field, FieldShape, Isa, Metric};
 
 const SHAPES: [FieldShape; 9] = [
@@ -127,18 +130,56 @@ fn gradient_noise_stays_in_its_range_and_uses_it() {
     }
 }
 
+#[test]
+fn values_and_slopes_stay_within_their_bounds() {
+    for (field, origin, spacing) in fields() {
+        let ([low, high], steepest) = (field.range(), field.max_slope());
+        for i in 0..200 {
+            let (u, v) = (origin + spacing * 50.0 * reference::unit(2 * i), 0.3 * origin - spacing * 50.0 * reference::unit(2 * i + 1));
+            let value = field.at(u, v);
+            assert!(value >= low && value <= high, "{field:?} at {u} {v}: {value} is not within {low} … {high}");
+            assert!(field.slopes_at(u, v).iter().all(|slope| slope.abs() <= steepest), "{field:?} at {u} {v}: {:?} and {steepest}", field.slopes_at(u, v));
+        }
+    }
+}
+
+#[test]
+fn bounds_of_sums_are_tight_and_jumps_have_no_slope() {
+    let shape = FieldShape::Fbm { h: 1.0, lacunarity: 2.0, octaves: 3.0 };
+    let field = Field::exact(shape, Basis::IPerlin, 1);
+    assert!((field.range()[1] - 1.75).abs() < 1e-5 && (field.range()[0] + 1.75).abs() < 1e-5, "{:?}", field.range());
+    assert!((field.max_slope() - 3.0 * 2.7501).abs() < 1e-3, "{}", field.max_slope());
+    assert_eq!(Field::exact(shape, Basis::CellNoise, 1).max_slope(), f32::INFINITY);
+    assert!(Field::banded(shape, Basis::IPerlin, 1, 0.25).range()[1] < 1.2, "what is left out has no part in the bounds");
+}
+
+/// In band the filtered field's own slopes count, those of the means of what is left out too.
+#[test]
+fn slopes_of_filtered_fields_are_their_own() {
+    const STEP: f64 = 1.0 / 1024.0;
+    for shape in SHAPES {
+        let field = Field::banded(shape, Basis::OPerlin, 99, 0.11);
+        for i in 0..500 {
+            let (u, v) = (9.0 * reference::unit(2 * i), 9.0 * reference::unit(2 * i + 1));
+            let at = |step: f64| f64::from(field.at(u + step * STEP, v));
+            let (left, right) = ((at(0.0) - at(-1.0)) / STEP, (at(1.0) - at(0.0)) / STEP);
+            let got = f64::from(field.slopes_at(u, v)[0]);
+            assert!((left - right).abs() > 0.1 || (got - f64::midpoint(left, right)).abs() < 0.1, "{shape:?} at {u} {v}: {got} is not {left} or {right}");
+        }
+    }
+}
+
 /// The mean must not move when detail is left out, or ridged land would sink on zooming out.
 #[test]
 fn the_mean_stays_from_level_to_level() {
-    for shape in SHAPES {
-        let voronoi = Basis::Voronoi { feature: Feature::F1, metric: Metric::Distance };
-        for basis in [Basis::OPerlin, Basis::IPerlin, Basis::Blender, Basis::CellNoise, voronoi] {
-            let means: Vec<f64> = (0..9).map(|level| mean_at(shape, basis, 0.02 * f64::from(1 << level))).collect();
-            let [low, high] = Field::exact(shape, basis, 7).range();
-            let amplitude = f64::from(high - low).min(2.0) / 2.0;
-            for (level, pair) in means.windows(2).enumerate() {
-                assert!((pair[1] - pair[0]).abs() < 0.01 * amplitude, "{shape:?} {basis:?}: mean {} becomes {} at level {level}", pair[0], pair[1]);
-            }
+    let voronoi = Basis::Voronoi { feature: Feature::F1, metric: Metric::Distance };
+    let others = [Basis::IPerlin, Basis::Blender, Basis::CellNoise, voronoi].into_iter().flat_map(|basis| [1, 2, 7].map(|shape| (SHAPES[shape], basis)));
+    for (shape, basis) in SHAPES.map(|shape| (shape, Basis::OPerlin)).into_iter().chain(others) {
+        let means: Vec<f64> = (0..9).map(|level| mean_at(shape, basis, 0.02 * f64::from(1 << level))).collect();
+        let [low, high] = Field::exact(shape, basis, 7).range();
+        let amplitude = f64::from(high - low).min(2.0) / 2.0;
+        for (level, pair) in means.windows(2).enumerate() {
+            assert!((pair[1] - pair[0]).abs() < 0.01 * amplitude, "{shape:?} {basis:?}: mean {} becomes {} at level {level}", pair[0], pair[1]);
         }
     }
 }
