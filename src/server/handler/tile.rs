@@ -47,7 +47,7 @@ pub(crate) struct LiveQuery {
 ), responses(
     (status = 200, description = "The tile", content((Vec<u8> = "image/png"), (Vec<u8> = "application/octet-stream")), headers(("ETag" = String, description = "The tile's fingerprint"))),
     (status = 304, description = "The tile is what If-None-Match names; nothing was evaluated"),
-    (status = 400, description = "A part of the address is no number, or the query is wrong", body = ProblemDetails, content_type = "application/problem+json"),
+    (status = 400, description = "A part of the address is no number, the query is wrong, or exact samples so far apart would take longer than 10 s", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 404, description = "No such world, grid, tileset, extension or tile", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 503, description = "Too many tiles are waiting", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
