@@ -5,7 +5,8 @@ use super::{
     cells::Lattice,
     cellular::{self, DistanceRows, Query, ValueRows, Values},
     field::Octave,
-    gradient::{self, Blender, Gradients, IPerlin, OPerlin},
+    gradient::{self, Gradients},
+    gradient_lanes::{Blender, IPerlin, OPerlin},
     gradient_rows::GradientRows,
     sheet::{Lines, Sheet},
 };

@@ -3,7 +3,7 @@
 use super::{
     Lanes,
     cells::{Axis, Lattice, Located},
-    gradient::Noise,
+    gradient_lanes::Noise,
 };
 use core::marker::PhantomData;
 

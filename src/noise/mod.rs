@@ -12,9 +12,10 @@ pub mod elementary;
 mod field;
 mod fractal;
 mod gradient;
+mod gradient_lanes;
 mod gradient_rows;
 mod hash;
-#[expect(unsafe_code, reason = "calling a function compiled for more than the baseline")]
+#[cfg_attr(target_arch = "x86_64", expect(unsafe_code, reason = "calling a function compiled for more than the baseline"))]
 mod isa;
 mod lanes;
 mod metric;

@@ -3,11 +3,12 @@
 use super::{
     Basis, Field, Isa, Kernel, Lanes,
     aligned::AlignedArray,
+    cells::{Axis, Fade, Lattice},
     field::Octave,
-    fractal::{Step, with_step},
-    gradient::{Blender, IPerlin, Noise, OPerlin},
+    fractal::{State, Step, with_step},
+    gradient_lanes::{Blender, IPerlin, Noise, OPerlin},
     lanes::Plain,
-    number::{Dual, Number, Real},
+    number::{Dual, Real},
     rows::{add_noise, finish},
 };
 
@@ -84,7 +85,7 @@ fn per_unit<L: Lanes>(lanes: L, dual: Dual<L>, frequency: f64) -> Dual<L> {
     Dual { value: dual.value, slopes: [dual.slopes[0] * frequency, dual.slopes[1] * frequency] }
 }
 
-/// Positions that are looked at together for how far they lie.
+/// Positions that are taken through an octave together.
 const BLOCK: usize = 256;
 
 /// How far a block lies from the origin.
@@ -114,40 +115,6 @@ impl Reach {
     }
 }
 
-/// A vector of positions through all octaves.
-#[inline(always)]
-fn through<L: Lanes, M: Number<L>, const NEAR: bool>(lanes: L, field: &Field, u: L::Doubles, v: L::Doubles, noise: &impl NoiseOf<L, M>) -> M {
-    let mut state = field.before(lanes);
-    for octave in &field.octaves {
-        let n = noise.of::<NEAR>(lanes, octave, u, v);
-        state = with_step!(&octave.step, step => step.after(lanes, n, state));
-    }
-    field.after(lanes, state)
-}
-
-/// An octave's noise as values or with slopes.
-trait NoiseOf<L: Lanes, M> {
-    fn of<const NEAR: bool>(&self, lanes: L, octave: &Octave, u: L::Doubles, v: L::Doubles) -> M;
-}
-
-impl<L: Lanes, N: Noise> NoiseOf<L, Real<L>> for N {
-    #[inline(always)]
-    fn of<const NEAR: bool>(&self, lanes: L, octave: &Octave, u: L::Doubles, v: L::Doubles) -> Real<L> {
-        let lattice = &octave.lattice;
-        let (x, y) = (lattice.axis::<L, NEAR>(lanes, N::FADE, 0, u), lattice.axis::<L, NEAR>(lanes, N::FADE, 1, v));
-        Real(N::value(lanes, lanes.splat(N::scale() * octave.amplitude), &x, &y))
-    }
-}
-
-impl<L: Lanes, N: Noise> NoiseOf<L, Dual<L>> for N {
-    #[inline(always)]
-    fn of<const NEAR: bool>(&self, lanes: L, octave: &Octave, u: L::Doubles, v: L::Doubles) -> Dual<L> {
-        let lattice = &octave.lattice;
-        let (x, y) = (lattice.axis::<L, NEAR>(lanes, N::FADE, 0, u), lattice.axis::<L, NEAR>(lanes, N::FADE, 1, v));
-        per_unit(lanes, N::dual(lanes, lanes.splat(N::scale() * octave.amplitude), &x, &y), lattice.frequency)
-    }
-}
-
 /// A vector of coordinates, of which the last is repeated where there are fewer.
 #[inline(always)]
 fn load<L: Lanes>(lanes: L, from: &[f64]) -> L::Doubles {
@@ -171,7 +138,46 @@ fn store<L: Lanes>(lanes: L, values: L::Floats, to: &mut [f32]) {
     to.copy_from_slice(&padded[..count]);
 }
 
+/// Where a block's positions lie in an octave's lattice, along one axis.
+struct Places {
+    keys: [[u32; BLOCK]; 2],
+    fractions: AlignedArray<BLOCK>,
+    fades: AlignedArray<BLOCK>,
+}
+
+impl Places {
+    fn new() -> Self {
+        Self { keys: [[0; BLOCK]; 2], fractions: AlignedArray([0.0; BLOCK]), fades: AlignedArray([0.0; BLOCK]) }
+    }
+
+    #[inline(always)]
+    fn locate<L: Lanes, const NEAR: bool>(&mut self, lanes: L, lattice: &Lattice, fade: Fade, axis: usize, coordinates: &[f64]) {
+        let [near, far] = &mut self.keys;
+        let keys = near.chunks_exact_mut(L::WIDTH).zip(far.chunks_exact_mut(L::WIDTH));
+        let places = self.fractions.0.chunks_exact_mut(L::WIDTH).zip(self.fades.0.chunks_exact_mut(L::WIDTH));
+        for (coordinates, ((near, far), (fraction, fade_of))) in coordinates.chunks_exact(L::WIDTH).zip(keys.zip(places)) {
+            let axis = lattice.axis::<L, NEAR>(lanes, fade, axis, lanes.load_doubles(coordinates));
+            lanes.store_words(axis.keys[0], near);
+            lanes.store_words(axis.keys[1], far);
+            lanes.store(axis.fraction, fraction);
+            lanes.store(axis.fade, fade_of);
+        }
+    }
+
+    #[inline(always)]
+    fn axis<L: Lanes>(&self, lanes: L, start: usize) -> Axis<L> {
+        Axis {
+            keys: [lanes.load_words(&self.keys[0][start..]), lanes.load_words(&self.keys[1][start..])],
+            fraction: lanes.load(&self.fractions.0[start..]),
+            fade: lanes.load(&self.fades.0[start..]),
+            turn: lanes.splat(0.0),
+        }
+    }
+}
+
 /// [`Field::points`].
+///
+/// Octave by octave, and in each first where positions lie, then the noise there: short loops, whose steps do not wait for each other.
 struct Points<'a, N> {
     field: &'a Field,
     noise: N,
@@ -186,23 +192,35 @@ impl<N: Noise> Kernel for Points<'_, N> {
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
         let Self { field, noise, us, vs, out } = self;
+        let (mut x, mut y) = (Places::new(), Places::new());
+        let (mut padded_us, mut padded_vs) = ([0.0; BLOCK], [0.0; BLOCK]);
         for ((us, vs), out) in us.chunks(BLOCK).zip(vs.chunks(BLOCK)).zip(out.chunks_mut(BLOCK)) {
-            let vectors = us.chunks(L::WIDTH).zip(vs.chunks(L::WIDTH));
-            match Reach::of(field, us, vs) {
-                Reach::Near => {
-                    for ((us, vs), out) in vectors.zip(out.chunks_mut(L::WIDTH)) {
-                        let value: Real<L> = through::<_, _, true>(lanes, field, load(lanes, us), load(lanes, vs), &noise);
-                        store(lanes, value.0, out);
-                    }
-                }
-                Reach::Middle => {
-                    for ((us, vs), out) in vectors.zip(out.chunks_mut(L::WIDTH)) {
-                        let value: Real<L> = through::<_, _, false>(lanes, field, load(lanes, us), load(lanes, vs), &noise);
-                        store(lanes, value.0, out);
-                    }
-                }
-                Reach::Far => out.iter_mut().zip(us.iter().zip(vs)).for_each(|(out, (&u, &v))| *out = field.at(u, v)),
+            let reach = Reach::of(field, us, vs);
+            if reach == Reach::Far {
+                out.iter_mut().zip(us.iter().zip(vs)).for_each(|(out, (&u, &v))| *out = field.at(u, v));
+                continue;
             }
+            // What follows the last position to make whole vectors is located too, but not used.
+            padded_us[..us.len()].copy_from_slice(us);
+            padded_vs[..vs.len()].copy_from_slice(vs);
+            let count = us.len().next_multiple_of(L::WIDTH);
+            let (mut values, mut openings) = (AlignedArray([field.start; BLOCK]), AlignedArray([1.0; BLOCK]));
+            for octave in &field.octaves {
+                if reach == Reach::Near {
+                    x.locate::<L, true>(lanes, &octave.lattice, N::FADE, 0, &padded_us[..count]);
+                    y.locate::<L, true>(lanes, &octave.lattice, N::FADE, 1, &padded_vs[..count]);
+                } else {
+                    x.locate::<L, false>(lanes, &octave.lattice, N::FADE, 0, &padded_us[..count]);
+                    y.locate::<L, false>(lanes, &octave.lattice, N::FADE, 1, &padded_vs[..count]);
+                }
+                let scale = N::scale() * octave.amplitude;
+                let (values, openings) = (&mut values.0[..count], &mut openings.0[..count]);
+                with_step!(&octave.step, step => add(lanes, noise, *step, scale, [&x, &y], values, openings));
+            }
+            if let Some(tail) = &field.tail {
+                finish(lanes, *tail, &mut values.0[..count], &openings.0[..count]);
+            }
+            out.copy_from_slice(&values.0[..out.len()]);
         }
     }
 }
@@ -238,6 +256,18 @@ impl Kernel for CellularPoints<'_> {
     }
 }
 
+/// Adds an octave to positions.
+#[inline(always)]
+fn add<L: Lanes, N: Noise, S: Step>(lanes: L, _: N, step: S, scale: f32, [x, y]: [&Places; 2], values: &mut [f32], openings: &mut [f32]) {
+    let scale = lanes.splat(scale);
+    let states = values.chunks_exact_mut(L::WIDTH).zip(openings.chunks_exact_mut(L::WIDTH));
+    for (at, (value, opening)) in states.enumerate() {
+        let noise = N::value(lanes, scale, &x.axis(lanes, at * L::WIDTH), &y.axis(lanes, at * L::WIDTH));
+        let state = State::load::<S>(lanes, value, opening);
+        step.after(lanes, Real(noise), state).store::<S>(lanes, value, opening);
+    }
+}
+
 /// [`Field::slope_points`].
 struct Slopes<'a, N> {
     field: &'a Field,
@@ -264,10 +294,22 @@ impl<N: Noise> Kernel for Slopes<'_, N> {
             }
             let vectors = us.chunks(L::WIDTH).zip(vs.chunks(L::WIDTH)).zip(du.chunks_mut(L::WIDTH).zip(dv.chunks_mut(L::WIDTH)));
             for ((us, vs), (du, dv)) in vectors {
-                let dual: Dual<L> = through::<_, _, false>(lanes, field, load(lanes, us), load(lanes, vs), &noise);
+                let dual = through(lanes, field, noise, load(lanes, us), load(lanes, vs));
                 store(lanes, dual.slopes[0], du);
                 store(lanes, dual.slopes[1], dv);
             }
         }
     }
+}
+
+/// A vector of positions through all octaves.
+#[inline(always)]
+fn through<L: Lanes, N: Noise>(lanes: L, field: &Field, _: N, u: L::Doubles, v: L::Doubles) -> Dual<L> {
+    let mut state = field.before(lanes);
+    for Octave { lattice, amplitude, step, .. } in &field.octaves {
+        let (x, y) = (lattice.axis::<L, false>(lanes, N::FADE, 0, u), lattice.axis::<L, false>(lanes, N::FADE, 1, v));
+        let noise = per_unit(lanes, N::dual(lanes, lanes.splat(N::scale() * amplitude), &x, &y), lattice.frequency);
+        state = with_step!(step, step => step.after(lanes, noise, state));
+    }
+    field.after(lanes, state)
 }

@@ -9,7 +9,7 @@ use super::{
     aligned::Aligned,
     cells::{Axis, Lattice, Located},
     fractal::{State, Step},
-    gradient::{self, Noise},
+    gradient_lanes::{self, Noise},
     hash,
     number::Real,
 };
@@ -185,7 +185,7 @@ impl Level {
         let lines = a.chunks_exact_mut(L::WIDTH).zip(b.chunks_exact_mut(L::WIDTH)).zip(c.chunks_exact_mut(L::WIDTH));
         for ((south, north), ((to_a, to_b), to_c)) in south.zip(north).zip(lines) {
             let (south, north) = ([lanes.load(south.0), lanes.load(south.1)], [lanes.load(north.0), lanes.load(north.1)]);
-            let [a, b] = gradient::line(lanes, scale, y, south, north);
+            let [a, b] = gradient_lanes::line(lanes, scale, y, south, north);
             lanes.store(a, to_a);
             lanes.store(b, to_b);
             lanes.store(a - b, to_c);
@@ -260,5 +260,5 @@ fn noise<L: Lanes>(lanes: L, [a, b, c]: [&[f32]; 3], record: &[f32]) -> L::Float
     let [a, b, c] = [&a[base..][..=L::WIDTH], &b[base..][..=L::WIDTH], &c[base..][..=L::WIDTH]];
     let index = lanes.to_words(lanes.load(record));
     let lines = [lanes.permute(a, index), lanes.permute(b, index), lanes.permute(&c[1..], index), lanes.permute(&b[1..], index)];
-    gradient::mixed(lines, lanes.load(&record[L::WIDTH..]), lanes.load(&record[2 * L::WIDTH..]))
+    gradient_lanes::mixed(lines, lanes.load(&record[L::WIDTH..]), lanes.load(&record[2 * L::WIDTH..]))
 }
