@@ -43,4 +43,4 @@ pub use shape::FieldShape;
 pub use valleys::{Erosion, Terrain, Valleys};
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -4,7 +4,7 @@ use super::{
     graph::{Graph, Place, PlaceId, Step},
     operation::{Binary, Unary},
 };
-use crate::noise::{Field, key};
+use crate::noise::Field;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// The least and the greatest value.
@@ -15,8 +15,7 @@ const MAX: f64 = f32::MAX as f64;
 /// The programme's noises in a world of that seed, as samples `spacing` programme units apart can carry them; as they are for a spacing of 0.
 pub(super) fn fields(graph: &Graph, seed: u64, spacing: f64) -> Vec<Field> {
     let field = |noise: &super::graph::Noise| {
-        let own = noise.lattices.key(seed);
-        let key = if noise.part == 0 { own } else { key(own, noise.part) };
+        let key = noise.key(seed);
         if spacing > 0.0 { Field::banded(noise.shape, noise.basis, key, spacing) } else { Field::exact(noise.shape, noise.basis, key) }
     };
     graph.noises.iter().map(field).collect()
@@ -72,16 +71,16 @@ fn symmetric(bound: f64) -> Range {
     [-bound, bound]
 }
 
-fn hull(a: Range, b: Range) -> Range {
+pub(super) fn hull(a: Range, b: Range) -> Range {
     [a[0].min(b[0]), a[1].max(b[1])]
 }
 
-fn contains(range: Range, value: f64) -> bool {
+pub(super) fn contains(range: Range, value: f64) -> bool {
     range[0] <= value && value <= range[1]
 }
 
 /// The hull of a function's values at the corners of two ranges.
-fn corners(a: Range, b: Range, function: impl Fn(f64, f64) -> f64) -> Range {
+pub(super) fn corners(a: Range, b: Range, function: impl Fn(f64, f64) -> f64) -> Range {
     let values = [function(a[0], b[0]), function(a[0], b[1]), function(a[1], b[0]), function(a[1], b[1])];
     [values.iter().copied().fold(f64::INFINITY, f64::min), values.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
 }
@@ -92,7 +91,7 @@ fn magnitude(a: Range) -> Range {
     [if contains(a, 0.0) { 0.0 } else { a[0].abs().min(a[1].abs()) }, high]
 }
 
-fn unary(operation: Unary, a: Range) -> Range {
+pub(super) fn unary(operation: Unary, a: Range) -> Range {
     match operation {
         Unary::Sin => periodic(a, FRAC_PI_2, libm::sin),
         Unary::Cos => periodic(a, 0.0, libm::cos),
@@ -126,7 +125,7 @@ fn periodic(a: Range, crest: f64, function: impl Fn(f64) -> f64) -> Range {
     [if reaches(crest + PI) { -1.0 } else { first.min(last) }, if reaches(crest) { 1.0 } else { first.max(last) }]
 }
 
-fn binary(operation: Binary, a: Range, b: Range) -> Range {
+pub(super) fn binary(operation: Binary, a: Range, b: Range) -> Range {
     match operation {
         Binary::Plus => [a[0] + b[0], a[1] + b[1]],
         Binary::Minus => [a[0] - b[1], a[1] - b[0]],

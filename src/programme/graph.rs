@@ -7,7 +7,7 @@ use super::{
     simplify,
     terrace::Terrace,
 };
-use crate::noise::{Basis, Erosion, FieldShape};
+use crate::noise::{Basis, Erosion, FieldShape, key};
 use std::{collections::BTreeMap, sync::Arc};
 
 /// Most steps of a programme whose derivatives and averages are written out.
@@ -55,6 +55,14 @@ pub(super) struct Noise {
     pub lattices: Lattices,
     /// Which of the node's noises, where it has more than one.
     pub part: u64,
+}
+
+impl Noise {
+    /// What its lattices are hashed with in a world of that seed.
+    pub(super) fn key(&self, seed: u64) -> u64 {
+        let own = self.lattices.key(seed);
+        if self.part == 0 { own } else { key(own, self.part) }
+    }
 }
 
 /// An erosion of the programme.

@@ -25,6 +25,8 @@ mod lower;
 mod motion;
 mod node;
 mod operation;
+#[cfg(test)]
+mod precision;
 mod print;
 mod reference;
 mod resolve;

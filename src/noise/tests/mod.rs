@@ -1,6 +1,6 @@
 //! All fast forms against the definitions, bit for bit, and the filter against the mean.
 
-mod reference;
+pub(crate) mod reference;
 mod spectrum;
 
 use super::{Basis, Feature, Field, FieldShape, Isa, Metric};

@@ -52,7 +52,7 @@ impl Lattice {
 }
 
 /// The spec's table.
-pub(super) fn evaluate(shape: FieldShape, basis: Basis, parent: u64, u: f64, v: f64) -> f64 {
+pub(crate) fn evaluate(shape: FieldShape, basis: Basis, parent: u64, u: f64, v: f64) -> f64 {
     let (count, lacunarity, ratio) = match shape {
         FieldShape::Single => (1.0, 1.0, 1.0),
         FieldShape::Fbm { h, lacunarity, octaves }
@@ -93,7 +93,7 @@ pub(super) fn evaluate(shape: FieldShape, basis: Basis, parent: u64, u: f64, v: 
 }
 
 /// Numbers from 0 to 1 that look random.
-pub(super) fn unit(number: u64) -> f64 {
+pub(crate) fn unit(number: u64) -> f64 {
     (key(0x5eed, number) >> 11) as f64 / 9_007_199_254_740_992.0
 }
 

@@ -4,6 +4,7 @@ use crate::{
     server::{
         error::ApiError,
         headers::{Freshness, is_fresh, not_modified, tagged},
+        schema::ProblemDetails,
         shelf::Shelved,
         state::App,
     },
@@ -16,7 +17,7 @@ use axum::{
 };
 use serde::Deserialize;
 use std::sync::Arc;
-use utoipa::IntoParams;
+use utoipa::{IntoParams, IntoResponses};
 
 /// The name of a new document.
 #[derive(Deserialize, IntoParams)]
@@ -25,6 +26,40 @@ use utoipa::IntoParams;
 pub(crate) struct NameQuery {
     /// Without it a name is made from the title, or from the revision.
     name: Option<String>,
+}
+
+/// Why a document is not saved.
+#[derive(IntoResponses)]
+#[expect(dead_code, reason = "for the description alone")]
+pub(crate) enum SaveErrors {
+    #[response(status = 400, description = "No JSON, no valid name, or a condition that cannot be understood", content_type = "application/problem+json")]
+    BadRequest(ProblemDetails),
+    #[response(
+        status = 403,
+        description = "The request comes from another machine, or from a web page of another site",
+        content_type = "application/problem+json"
+    )]
+    Forbidden(ProblemDetails),
+    #[response(status = 413, description = "The document is too large", content_type = "application/problem+json")]
+    TooLarge(ProblemDetails),
+    #[response(status = 422, description = "The document is wrong: every problem with its place", content_type = "application/problem+json")]
+    Invalid(ProblemDetails),
+}
+
+/// Why a document is not deleted.
+#[derive(IntoResponses)]
+#[expect(dead_code, reason = "for the description alone")]
+pub(crate) enum DeleteErrors {
+    #[response(status = 400, description = "No valid name, or a condition that cannot be understood", content_type = "application/problem+json")]
+    BadRequest(ProblemDetails),
+    #[response(
+        status = 403,
+        description = "The request comes from another machine, or from a web page of another site",
+        content_type = "application/problem+json"
+    )]
+    Forbidden(ProblemDetails),
+    #[response(status = 412, description = "The condition does not hold", content_type = "application/problem+json")]
+    Failed(ProblemDetails),
 }
 
 /// The document itself with its revision as entity tag, or 304 if the client has it.

@@ -1,6 +1,6 @@
 //! The programme library.
 
-use super::document::{self, NameQuery};
+use super::document::{self, DeleteErrors, NameQuery, SaveErrors};
 use crate::server::{
     error::ApiError,
     extract::{Body, Known, NameOf, Present, PublicUrl, WriteCondition},
@@ -77,11 +77,8 @@ pub(crate) async fn get_programme(Present(shown): Present<Shown>, headers: Heade
 ), request_body = ProgrammeSchema, responses(
     (status = 200, description = "Saved, or already so: the completed document", body = ProgrammeSchema, headers(("ETag" = String, description = "The revision"))),
     (status = 201, description = "A new programme: the completed document", body = ProgrammeSchema, headers(("ETag" = String, description = "The revision"), ("Location" = String, description = "The programme"))),
-    (status = 400, description = "No JSON, no valid name, or a condition that cannot be understood", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 403, description = "The request comes from another machine, or from a web page of another site", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 412, description = "The condition does not hold", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 413, description = "The document is too large", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 422, description = "The document is wrong: every problem with its place", body = ProblemDetails, content_type = "application/problem+json"),
+    SaveErrors,
 ))]
 pub(crate) async fn put_programme(
     State(app): State<App>,
@@ -96,11 +93,8 @@ pub(crate) async fn put_programme(
 /// Saves a new programme.
 #[utoipa::path(post, path = "/programmes", tag = "programmes", params(NameQuery), request_body = ProgrammeSchema, responses(
     (status = 201, description = "The completed document", body = ProgrammeSchema, headers(("ETag" = String, description = "The revision"), ("Location" = String, description = "The programme"))),
-    (status = 400, description = "No JSON, or no valid name", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 403, description = "The request comes from another machine, or from a web page of another site", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 409, description = "The name is taken", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 413, description = "The document is too large", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 422, description = "The document is wrong: every problem with its place", body = ProblemDetails, content_type = "application/problem+json"),
+    SaveErrors,
 ))]
 pub(crate) async fn post_programme(
     State(app): State<App>,
@@ -117,10 +111,8 @@ pub(crate) async fn post_programme(
     ("If-Match" = Option<String>, Header, description = "Revisions the programme must be at, or *"),
 ), responses(
     (status = 204, description = "It is gone"),
-    (status = 400, description = "No valid name, or a condition that cannot be understood", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 403, description = "The request comes from another machine, or from a web page of another site", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 404, description = "No such programme", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 412, description = "The condition does not hold", body = ProblemDetails, content_type = "application/problem+json"),
+    DeleteErrors,
 ))]
 pub(crate) async fn delete_programme(
     State(app): State<App>,

@@ -1,6 +1,6 @@
 //! World documents.
 
-use super::document::{self, NameQuery};
+use super::document::{self, DeleteErrors, NameQuery, SaveErrors};
 use crate::server::{
     error::ApiError,
     extract::{Body, Known, NameOf, PublicUrl, WorldAt, WriteCondition},
@@ -36,11 +36,8 @@ pub(crate) async fn get_world(WorldAt { live, pinned }: WorldAt, headers: Header
 ), request_body = WorldSchema, responses(
     (status = 200, description = "Saved, or already so: the completed document", body = WorldSchema, headers(("ETag" = String, description = "The revision"))),
     (status = 201, description = "A new world: the completed document", body = WorldSchema, headers(("ETag" = String, description = "The revision"), ("Location" = String, description = "The world"))),
-    (status = 400, description = "No JSON, no valid name, or a condition that cannot be understood", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 403, description = "The request comes from another machine, or from a web page of another site", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 412, description = "The condition does not hold", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 413, description = "The document is too large", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 422, description = "The document is wrong: every problem with its place", body = ProblemDetails, content_type = "application/problem+json"),
+    SaveErrors,
 ))]
 pub(crate) async fn put_world(
     State(app): State<App>,
@@ -55,11 +52,8 @@ pub(crate) async fn put_world(
 /// Saves a new world.
 #[utoipa::path(post, path = "/worlds", tag = "worlds", params(NameQuery), request_body = WorldSchema, responses(
     (status = 201, description = "The completed document", body = WorldSchema, headers(("ETag" = String, description = "The revision"), ("Location" = String, description = "The world"))),
-    (status = 400, description = "No JSON, or no valid name", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 403, description = "The request comes from another machine, or from a web page of another site", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 409, description = "The name is taken", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 413, description = "The document is too large", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 422, description = "The document is wrong: every problem with its place", body = ProblemDetails, content_type = "application/problem+json"),
+    SaveErrors,
 ))]
 pub(crate) async fn post_world(
     State(app): State<App>,
@@ -76,10 +70,8 @@ pub(crate) async fn post_world(
     ("If-Match" = Option<String>, Header, description = "Revisions the world must be at, or *"),
 ), responses(
     (status = 204, description = "It is gone"),
-    (status = 400, description = "No valid name, or a condition that cannot be understood", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 403, description = "The request comes from another machine, or from a web page of another site", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 404, description = "No such world", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 412, description = "The condition does not hold", body = ProblemDetails, content_type = "application/problem+json"),
+    DeleteErrors,
 ))]
 pub(crate) async fn delete_world(
     State(app): State<App>,
