@@ -8,12 +8,16 @@ use terrane::{
     programme::{Frame, Programme, Tape},
 };
 
+/// Samples a side, or fewer where that many would take longer than [`BUDGET_NS`].
 const SIDE: usize = 192;
+const LEAST_SIDE: usize = 24;
+const BUDGET_NS: f64 = 5e7;
 const FRAME: Frame = Frame { seed: 7, scale: 1.0, origin: [0.3, 0.7] };
 
 /// The least of a few times, in nanoseconds a sample, on the instruction set of the cost model.
 fn measured_ns(tape: &Tape, spacing: f64, filter: Filter) -> f64 {
-    let side = SIDE as f64 * spacing;
+    let affordable = (BUDGET_NS / tape.cost_ns(spacing, filter)).sqrt() as usize;
+    let side = affordable.clamp(LEAST_SIDE, SIDE) as f64 * spacing;
     let window = Window::area([0.0, 0.0, side, side], spacing, filter, 1 << 20).unwrap();
     let mut heights = vec![0.0; window.samples()];
     let times = (0..5).map(|_| {
