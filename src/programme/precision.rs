@@ -41,7 +41,7 @@ impl Near {
 
     /// A value that may also be anything within `range`, rounded; with 0 where f32 may overflow.
     fn within(value: f64, range: Range) -> Self {
-        let overflows = |value: f64| !(value.abs() <= f64::from(f32::MAX));
+        let overflows = |value: f64| value.is_nan() || value.abs() > f64::from(f32::MAX);
         let [low, high] = if range.into_iter().any(overflows) { hull(range, [0.0; 2]) } else { range };
         let value = if overflows(value) { 0.0 } else { value };
         let error = (high - value).max(value - low) + ROUNDING * low.abs().max(high.abs()) + 1e-44;
