@@ -4,7 +4,7 @@ use super::{
     Frame, bounds,
     graph::{Axis, Eroded, Graph, Step},
     kernels::{self, Input},
-    shape::Filtered,
+    shape::{Filtered, Write},
     tape::{Instruction, Points, Slot, Tape},
 };
 use crate::{
@@ -305,19 +305,17 @@ impl<'a> Evaluation<'a> {
     fn apply(&self, step: Step, at: Option<Points>, operands: [Slot; 3], start: usize, v: f64, out: &mut [f32]) -> u64 {
         let count = out.len();
         let input = |i: usize| self.input(operands[i], start, count);
+        let places = Places { evaluation: self, at, start, v };
         match step {
             Step::Number(bits) => {
                 out.fill(f32::from_bits(bits));
                 0
             }
-            Step::Coordinate(axis, _) => self.at_positions(at, start, v, out, |u, v| if axis == Axis::U { u as f32 } else { v as f32 }),
-            Step::Shape(shape, _) => {
-                let shape = self.prepared.shapes[shape];
-                self.at_positions(at, start, v, out, |u, v| shape.at(u, v))
-            }
+            Step::Coordinate(axis, _) => places.write(out, |u, v| if axis == Axis::U { u as f32 } else { v as f32 }),
+            Step::Shape(shape, _) => self.prepared.shapes[shape].write(&places, out),
             Step::ShapeSlope(shape, axis, _) => {
                 let shape = self.prepared.shapes[shape];
-                self.at_positions(at, start, v, out, |u, v| shape.slope(axis, u, v))
+                places.write(out, |u, v| shape.slope(axis, u, v))
             }
             Step::Unary(operation, _) => kernels::unary(self.isa, operation, input(0), out),
             Step::Binary(operation, ..) => kernels::binary(self.isa, operation, input(0), input(1), out),
@@ -327,15 +325,25 @@ impl<'a> Evaluation<'a> {
             Step::Noise(..) | Step::NoiseSlope(..) | Step::Erosion(..) => 0,
         }
     }
+}
 
-    /// Writes a function of the positions.
-    fn at_positions(&self, at: Option<Points>, start: usize, v: f64, out: &mut [f32], function: impl Fn(f64, f64) -> f32) -> u64 {
+/// The positions of a block of samples.
+struct Places<'a, 'b> {
+    evaluation: &'a Evaluation<'b>,
+    at: Option<Points>,
+    start: usize,
+    v: f64,
+}
+
+impl Write for Places<'_, '_> {
+    fn write(&self, out: &mut [f32], function: impl Fn(f64, f64) -> f32) -> u64 {
+        let &Self { evaluation, at, start, v } = self;
         match at {
             Some(Points::Anywhere(at)) => {
-                let at = &self.positions[at];
-                kernels::at_points(self.isa, &at.u, &at.v, out, function)
+                let at = &evaluation.positions[at];
+                kernels::at_points(evaluation.isa, &at.u, &at.v, out, function)
             }
-            Some(Points::Grid(grid)) => kernels::along_row(self.isa, &self.grids[grid][start..], v + self.tape.grids[grid][1], out, function),
+            Some(Points::Grid(grid)) => kernels::along_row(evaluation.isa, &evaluation.grids[grid][start..], v + evaluation.tape.grids[grid][1], out, function),
             None => 0,
         }
     }

@@ -124,6 +124,12 @@ impl Shape {
     }
 }
 
+/// Positions that a function's values can be written at.
+pub(super) trait Write {
+    /// Answers how many were not finite.
+    fn write(&self, out: &mut [f32], function: impl Fn(f64, f64) -> f32) -> u64;
+}
+
 /// A shape for samples of a given spacing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Filtered {
@@ -148,6 +154,31 @@ fn smoothstep_area(r: f64) -> f64 {
     inside * inside * inside * (1.0 - 0.5 * inside) + (r - 1.0).max(0.0)
 }
 
+/// exp(-r² / 2 w²), rounded to f32.
+#[inline(always)]
+fn gauss(width: f64, centre: [f64; 2], repeat: f64, u: f64, v: f64) -> f64 {
+    let (x, y) = (relative(u, centre[0], repeat), relative(v, centre[1], repeat));
+    f64::from(elementary::exp(((x * x + y * y) / (-2.0 * width * width)) as f32))
+}
+
+#[inline(always)]
+fn half_sphere(radius: f64, centre: [f64; 2], repeat: f64, u: f64, v: f64) -> f64 {
+    let (x, y) = (relative(u, centre[0], repeat), relative(v, centre[1], repeat));
+    (radius * radius - (x * x + y * y)).max(0.0).sqrt()
+}
+
+/// The distance across a step's edge; with a period, to the nearest edge, upwards where it rises.
+#[inline(always)]
+fn along_period(direction: Direction, repeat: f64, u: f64, v: f64) -> f64 {
+    let t = direction.along(u, v);
+    if repeat > 0.0 {
+        let in_period = (t + repeat / 4.0) - repeat * ((t + repeat / 4.0) / repeat).floor();
+        repeat / 4.0 - (in_period - repeat / 2.0).abs()
+    } else {
+        t
+    }
+}
+
 /// A step at 0, averaged over the spacing.
 #[inline(always)]
 fn step(t: f64, softness: f64, spacing: f64) -> f64 {
@@ -169,27 +200,31 @@ impl Filtered {
     /// The value at programme coordinates.
     #[inline(always)]
     pub(super) fn at(&self, u: f64, v: f64) -> f32 {
-        let value = match self.shape {
-            Shape::Gauss { width, centre, repeat } => {
-                let (x, y) = (relative(u, centre[0], repeat), relative(v, centre[1], repeat));
-                self.height * f64::from(elementary::exp(((x * x + y * y) / (-2.0 * width * width)) as f32))
-            }
+        self.filtered(match self.shape {
+            Shape::Gauss { width, centre, repeat } => self.height * gauss(width, centre, repeat, u, v),
             Shape::Plane { direction } => direction.along(u, v),
+            Shape::Step { direction, softness, repeat } => step(along_period(direction, repeat, u, v), softness, self.spacing),
+            Shape::Sphere { radius, centre, repeat } => half_sphere(radius, centre, repeat, u, v),
+        })
+    }
+
+    /// Has its values written by a function for the kind of shape alone, so that a loop over it does not ask which it is; how many were not finite.
+    pub(super) fn write(&self, to: &impl Write, out: &mut [f32]) -> u64 {
+        // By value, so that loops know that nothing of it changes.
+        let it = *self;
+        match it.shape {
+            Shape::Gauss { width, centre, repeat } => to.write(out, move |u, v| it.filtered(it.height * gauss(width, centre, repeat, u, v))),
+            Shape::Plane { direction } => to.write(out, move |u, v| it.filtered(direction.along(u, v))),
             Shape::Step { direction, softness, repeat } => {
-                let t = direction.along(u, v);
-                let t = if repeat > 0.0 {
-                    let in_period = (t + repeat / 4.0) - repeat * ((t + repeat / 4.0) / repeat).floor();
-                    repeat / 4.0 - (in_period - repeat / 2.0).abs()
-                } else {
-                    t
-                };
-                step(t, softness, self.spacing)
+                to.write(out, move |u, v| it.filtered(step(along_period(direction, repeat, u, v), softness, it.spacing)))
             }
-            Shape::Sphere { radius, centre, repeat } => {
-                let (x, y) = (relative(u, centre[0], repeat), relative(v, centre[1], repeat));
-                (radius * radius - (x * x + y * y)).max(0.0).sqrt()
-            }
-        };
+            Shape::Sphere { radius, centre, repeat } => to.write(out, move |u, v| it.filtered(half_sphere(radius, centre, repeat, u, v))),
+        }
+    }
+
+    /// As much of a value as the spacing carries.
+    #[inline(always)]
+    fn filtered(&self, value: f64) -> f32 {
         (self.mean + self.kept * (value - self.mean)) as f32
     }
 
@@ -200,8 +235,7 @@ impl Filtered {
         let slope = match self.shape {
             Shape::Gauss { width, centre, repeat } => {
                 let (x, y) = (relative(u, centre[0], repeat), relative(v, centre[1], repeat));
-                let value = self.height * f64::from(elementary::exp(((x * x + y * y) / (-2.0 * width * width)) as f32));
-                -along(x, y) / (width * width) * value
+                -along(x, y) / (width * width) * (self.height * gauss(width, centre, repeat, u, v))
             }
             Shape::Plane { direction } => along(direction.0[0], direction.0[1]),
             Shape::Sphere { radius, centre, repeat } => {
