@@ -39,4 +39,4 @@ impl<T> DerefMut for Aligned<T> {
 
 /// An array that begins with a cache line.
 #[repr(align(64))]
-pub(super) struct AlignedArray<const N: usize>(pub [f32; N]);
+pub(super) struct AlignedArray<const N: usize, T = f32>(pub [T; N]);

@@ -20,65 +20,129 @@ impl Lattice {
     }
 
     /// Cell and position of programme coordinate `u` along the columns (`axis` 0) or `v` along the rows (`axis` 1).
+    ///
+    /// Positions are rounded, once, to whole [`GRAIN`]s of a cell, which f32 holds wherever in a cell they lie.
     #[inline(always)]
     pub(super) fn locate(&self, axis: usize, coordinate: f64) -> Position {
-        let at = coordinate * self.frequency + self.phase[axis];
+        let at = coordinate * self.frequency;
         // Cells beyond 2^62 cannot be told apart in f64 anyway; the clamp keeps their neighbours' numbers from overflowing.
         let cell = at.floor().clamp(-4.611_686_018_427_388e18, 4.611_686_018_427_388e18);
-        Position { cell: whole(cell), fraction: (at - cell).clamp(0.0, 1.0) }
+        let grains = (at - cell).clamp(0.0, 1.0) + (self.phase[axis] + GRAINS) - GRAINS;
+        let carried = grains.floor();
+        Position { cell: whole(cell + carried), fraction: grains - carried }
     }
 }
 
-/// Where samples lie along one axis of a lattice.
+/// Parts of a cell that positions are whole numbers of: those that f32 tells apart in a cell's upper half.
+const GRAIN: f64 = 1.0 / 16_777_216.0;
+
+/// At 3 · 2^27 the spacing of f64 is a [`GRAIN`]: what is added to it stands in the low word, cells above 24 bits of grains.
+const GRAINS: f64 = 402_653_184.0;
+
+/// The high word of [`GRAINS`]; its low word is zero.
+const GRAINS_HIGH: u32 = 0x41b8_0000;
+
+/// Whether vectors of coordinates from `least` to `greatest` have bases in a lattice: not if they are too far away, if there are too many cells between them or
+/// if they are the wrong way round.
+#[inline(always)]
+pub(super) fn spans(frequency: f64, least: f64, greatest: f64) -> bool {
+    const FARTHEST: f64 = 1e15;
+    const MOST: f64 = 6.7e7;
+    (least * frequency).abs() < FARTHEST && (greatest * frequency).abs() < FARTHEST && (0.0..MOST).contains(&((greatest - least) * frequency))
+}
+
+/// Cells that a vector's cells are counted from, along one axis of a lattice.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Base {
+    pub cell: i64,
+    /// How many cells the greatest coordinate lies beyond.
+    pub reach: u32,
+    frequency: f64,
+    /// What is subtracted and then added to put positions among the grains; of the two operations only the second rounds.
+    shifts: [f64; 2],
+}
+
+impl Lattice {
+    /// The base for coordinates from `least` to `greatest`, which the lattice spans.
+    #[inline(always)]
+    pub(super) fn base(&self, axis: usize, least: f64, greatest: f64) -> Base {
+        let cell = self.locate(axis, least).cell;
+        let (from, to) = (cell as f64, self.phase[axis] + GRAINS);
+        // Phases are multiples of 2^-16, as all coordinates are beyond 2^36 cells: there the difference to the base is exact, nearer that of the shifts.
+        let shifts = if cell.unsigned_abs() < 1 << 36 { [0.0, to - from] } else { [from, to] };
+        let last = (greatest * self.frequency - shifts[0] + shifts[1]).to_bits() - GRAINS.to_bits();
+        Base { cell, reach: (last >> 24) as u32, frequency: self.frequency, shifts }
+    }
+}
+
+impl Base {
+    /// Whether one word holds cells and grains, exact by one sum.
+    #[inline(always)]
+    pub(super) fn near(&self) -> Option<Near> {
+        (self.shifts[0] == 0.0 && self.reach < 255).then_some(Near { frequency: self.frequency, shift: self.shifts[1] })
+    }
+
+    /// Cells counted from the base's, and words of which the low 24 bits are grains, of coordinates between those that the base is for. The sum rounds as that of
+    /// [`Lattice::locate`] does: they differ by whole cells.
+    #[inline(always)]
+    pub(super) fn words<L: Lanes>(&self, lanes: L, coordinates: L::Doubles) -> (L::Words, L::Words) {
+        let at = coordinates * lanes.splat_doubles(self.frequency) - lanes.splat_doubles(self.shifts[0]) + lanes.splat_doubles(self.shifts[1]);
+        let (low, high) = (lanes.low_words(at), lanes.high_words(at));
+        (lanes.shl::<8>(high - lanes.splat_words(GRAINS_HIGH)) | lanes.shr::<24>(low), low)
+    }
+}
+
+/// A [`Base`] whose cells and grains share a word.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Near {
+    frequency: f64,
+    shift: f64,
+}
+
+impl Near {
+    /// Cells counted from the base's above 24 bits of grains.
+    #[inline(always)]
+    pub(super) fn words<L: Lanes>(&self, lanes: L, coordinates: L::Doubles) -> L::Words {
+        lanes.low_words(coordinates * lanes.splat_doubles(self.frequency) + lanes.splat_doubles(self.shift))
+    }
+
+    /// The same of one coordinate.
+    #[inline(always)]
+    pub(super) fn word(&self, coordinate: f64) -> u32 {
+        (coordinate * self.frequency + self.shift).to_bits() as u32
+    }
+}
+
+/// The fractions of a cell in the low 24 bits.
+#[inline(always)]
+pub(super) fn fraction<L: Lanes>(lanes: L, words: L::Words) -> L::Floats {
+    lanes.convert(words & lanes.splat_words(0x00ff_ffff)) * lanes.splat(GRAIN as f32)
+}
+
+/// Where samples lie in their cells along one axis.
 #[derive(Clone, Copy)]
 pub(super) struct Axis<L: Lanes> {
-    /// Keys of the cells' own corners and of the next.
-    pub keys: [L::Words; 2],
     pub fraction: L::Floats,
     pub fade: L::Floats,
     /// The fade's slope.
     pub turn: L::Floats,
 }
 
+impl<L: Lanes> Axis<L> {
+    #[inline(always)]
+    pub(super) fn new(lanes: L, fade: Fade, fraction: L::Floats) -> Self {
+        Self { fraction, fade: fade.weights(lanes, fraction), turn: fade.turns(lanes, fraction) }
+    }
+}
+
 impl Lattice {
-    /// Whether coordinates up to a magnitude have cells whose numbers fit 52 bits, as vectors of them need.
-    pub(super) fn holds(&self, greatest: f64) -> bool {
-        greatest * self.frequency < 1e15
-    }
-
-    /// Whether their numbers fit 32 bits.
-    pub(super) fn is_near(&self, greatest: f64) -> bool {
-        greatest * self.frequency < 2e9
-    }
-
-    /// As [`Lattice::locate`], without the clamps that coordinates which the lattice holds do not need: low and high words of the cells, and fractions.
+    /// The cell of one coordinate, near or far, the keys of its corners and the next, and where it lies in it, in every lane.
     #[inline(always)]
-    pub(super) fn locate_lanes<L: Lanes>(&self, lanes: L, axis: usize, coordinates: L::Doubles) -> ([L::Words; 2], L::Doubles) {
-        let at = coordinates * lanes.splat_doubles(self.frequency) + lanes.splat_doubles(self.phase[axis]);
-        let cell = lanes.floor(at);
-        (lanes.whole_words(cell), at - cell)
-    }
-
-    /// Everything about coordinates that the lattice holds; `NEAR` if they are near.
-    #[inline(always)]
-    pub(super) fn axis<L: Lanes, const NEAR: bool>(&self, lanes: L, fade: Fade, axis: usize, coordinates: L::Doubles) -> Axis<L> {
-        let (words, fraction) = self.locate_lanes(lanes, axis, coordinates);
-        Axis {
-            keys: hash::keys::<L, NEAR>(lanes, axis, self.seed, words),
-            fraction: lanes.round(fraction),
-            fade: lanes.round(fade.weights(lanes, fraction)),
-            turn: lanes.round(fade.turns(lanes, fraction)),
-        }
-    }
-
-    /// The cell of one coordinate, near or far, and everything about it in every lane.
-    #[inline(always)]
-    pub(super) fn axis_at<L: Lanes>(&self, lanes: L, fade: Fade, axis: usize, coordinate: f64) -> (i64, Axis<L>) {
+    pub(super) fn axis_at<L: Lanes>(&self, lanes: L, fade: Fade, axis: usize, coordinate: f64) -> (i64, [L::Words; 2], Axis<L>) {
         let Position { cell, fraction } = self.locate(axis, coordinate);
         let key = |cell| if axis == 0 { hash::column_key(cell) } else { hash::row_key(cell, self.seed) };
         let keys = [lanes.splat_words(key(cell)), lanes.splat_words(key(cell + 1))];
-        let [fade, turn] = [lanes.splat(fade.weight(fraction) as f32), lanes.splat(fade.turn(fraction) as f32)];
-        (cell, Axis { keys, fraction: lanes.splat(fraction as f32), fade, turn })
+        (cell, keys, Axis::new(lanes, fade, lanes.splat(fraction as f32)))
     }
 }
 
@@ -99,30 +163,31 @@ impl Located {
         let count = coordinates.len().next_multiple_of(group * L::WIDTH);
         let (words, floats) = (|| Aligned::new(0, count), || Aligned::new(0.0, count));
         let mut located = Self { cells: words(), keys: [words(), words()], fractions: floats(), fades: floats() };
-        let greatest = coordinates.iter().fold(0.0_f64, |greatest, c| if c.abs() <= greatest { greatest } else { c.abs() });
+        let ends = coordinates.first().zip(coordinates.last()).filter(|&(&first, &last)| spans(lattice.frequency, first, last));
+        let base = ends.map(|(&first, &last)| lattice.base(0, first, last));
         let mut padded = [0.0; 16];
         for start in (0..count).step_by(L::WIDTH) {
             for (i, padded) in padded[..L::WIDTH].iter_mut().enumerate() {
                 *padded = coordinates[(start + i).min(coordinates.len() - 1)];
             }
-            if lattice.holds(greatest) {
-                located.write(lanes, lattice, fade, start, &padded);
-            } else {
-                located.write_far(lattice, fade, start, &padded[..L::WIDTH]);
+            match &base {
+                Some(base) => located.write(lanes, base, fade, start, &padded),
+                None => located.write_far(lattice, fade, start, &padded[..L::WIDTH]),
             }
         }
         located
     }
 
     #[inline(always)]
-    fn write<L: Lanes>(&mut self, lanes: L, lattice: &Lattice, fade: Fade, start: usize, coordinates: &[f64]) {
-        let (words, fraction) = lattice.locate_lanes(lanes, 0, lanes.load_doubles(coordinates));
-        let keys = hash::keys::<L, false>(lanes, 0, 0, words);
-        lanes.store_words(words[0], &mut self.cells[start..]);
+    fn write<L: Lanes>(&mut self, lanes: L, base: &Base, fade: Fade, start: usize, coordinates: &[f64]) {
+        let (cells, low) = base.words(lanes, lanes.load_doubles(coordinates));
+        let fraction = fraction(lanes, low);
+        let keys = hash::keys(lanes, 0, 0, base.cell, cells);
+        lanes.store_words(cells + lanes.splat_words(base.cell as u32), &mut self.cells[start..]);
         lanes.store_words(keys[0], &mut self.keys[0][start..]);
         lanes.store_words(keys[1], &mut self.keys[1][start..]);
-        lanes.store(lanes.round(fraction), &mut self.fractions[start..]);
-        lanes.store(lanes.round(fade.weights(lanes, fraction)), &mut self.fades[start..]);
+        lanes.store(fraction, &mut self.fractions[start..]);
+        lanes.store(fade.weights(lanes, fraction), &mut self.fades[start..]);
     }
 
     fn write_far(&mut self, lattice: &Lattice, fade: Fade, start: usize, coordinates: &[f64]) {
@@ -130,7 +195,7 @@ impl Located {
             let Position { cell, fraction } = lattice.locate(0, coordinate);
             self.cells[i] = cell as u32;
             (self.keys[0][i], self.keys[1][i]) = (hash::column_key(cell), hash::column_key(cell + 1));
-            (self.fractions[i], self.fades[i]) = (fraction as f32, fade.weight(fraction) as f32);
+            (self.fractions[i], self.fades[i]) = (fraction as f32, fade.weight(fraction as f32));
         }
     }
 }
@@ -153,7 +218,7 @@ fn whole(cell: f64) -> i64 {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Position {
     pub cell: i64,
-    /// In [0, 1], exact to f64.
+    /// A whole number of grains in [0, 1), which f32 holds.
     pub fraction: f64,
 }
 
@@ -169,45 +234,42 @@ pub(super) enum Fade {
 }
 
 impl Fade {
-    /// In f64, rounded once by the caller.
     #[inline(always)]
-    pub(super) fn weight(self, t: f64) -> f64 {
+    pub(super) fn weight(self, t: f32) -> f32 {
         match self {
             Fade::Cubic => t * t * (3.0 - 2.0 * t),
-            Fade::Quintic => t * t * t * (t * (t * 6.0 - 15.0) + 10.0),
-            Fade::None => 0.0,
-        }
-    }
-
-    /// The slope of the weight.
-    #[inline(always)]
-    pub(super) fn turn(self, t: f64) -> f64 {
-        match self {
-            Fade::Cubic => 6.0 * t * (1.0 - t),
-            Fade::Quintic => 30.0 * (t * (1.0 - t)) * (t * (1.0 - t)),
+            // Around the middle, where 0.5 is the weight: the usual form loses five bits near 1.
+            Fade::Quintic => {
+                let s = t - 0.5;
+                let z = s * s;
+                0.5 + s * (1.875 - z * (5.0 - 6.0 * z))
+            }
             Fade::None => 0.0,
         }
     }
 
     /// [`Fade::weight`] of every lane.
     #[inline(always)]
-    pub(super) fn weights<L: Lanes>(self, lanes: L, t: L::Doubles) -> L::Doubles {
-        let [two, three, six] = [lanes.splat_doubles(2.0), lanes.splat_doubles(3.0), lanes.splat_doubles(6.0)];
+    pub(super) fn weights<L: Lanes>(self, lanes: L, t: L::Floats) -> L::Floats {
         match self {
-            Fade::Cubic => t * t * (three - two * t),
-            Fade::Quintic => t * t * t * (t * (t * six - lanes.splat_doubles(15.0)) + lanes.splat_doubles(10.0)),
-            Fade::None => lanes.splat_doubles(0.0),
+            Fade::Cubic => t * t * (lanes.splat(3.0) - lanes.splat(2.0) * t),
+            Fade::Quintic => {
+                let s = t - lanes.splat(0.5);
+                let z = s * s;
+                lanes.splat(0.5) + s * (lanes.splat(1.875) - z * (lanes.splat(5.0) - lanes.splat(6.0) * z))
+            }
+            Fade::None => lanes.splat(0.0),
         }
     }
 
-    /// [`Fade::turn`] of every lane.
+    /// The slope of the weight.
     #[inline(always)]
-    pub(super) fn turns<L: Lanes>(self, lanes: L, t: L::Doubles) -> L::Doubles {
-        let rest = lanes.splat_doubles(1.0) - t;
+    pub(super) fn turns<L: Lanes>(self, lanes: L, t: L::Floats) -> L::Floats {
+        let rest = lanes.splat(1.0) - t;
         match self {
-            Fade::Cubic => lanes.splat_doubles(6.0) * t * rest,
-            Fade::Quintic => lanes.splat_doubles(30.0) * (t * rest) * (t * rest),
-            Fade::None => lanes.splat_doubles(0.0),
+            Fade::Cubic => lanes.splat(6.0) * t * rest,
+            Fade::Quintic => lanes.splat(30.0) * (t * rest) * (t * rest),
+            Fade::None => lanes.splat(0.0),
         }
     }
 }

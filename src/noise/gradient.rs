@@ -2,7 +2,7 @@
 //!
 //! A corner's gradient (gx, gy) contributes gx·dx + gy·dy. Along a row of samples, dy and the row's fade v are the same everywhere, so the two corners on the
 //! left of a cell blend into a line A + B·fx and the two on the right into A' + B'·(fx - 1) = (A' - B') + B'·fx. A sample then mixes its two lines by the
-//! column's fade. These lines are the definition: the form for a single point computes just the same.
+//! column's fade. Gradients are multiplied by the octave's factor beforehand. These lines are the definition: the form for a single point computes just the same.
 
 use super::{
     cells::{Fade, Lattice},
@@ -47,12 +47,14 @@ pub(super) const EDGE_GRADIENTS: [[f32; 2]; 12] =
     [[2.0, 2.0], [-2.0, 2.0], [2.0, -2.0], [-2.0, -2.0], [2.0, 0.0], [-2.0, 0.0], [2.0, 0.0], [-2.0, 0.0], [0.0, 2.0], [0.0, -2.0], [0.0, 2.0], [0.0, -2.0]];
 
 impl Gradients {
+    /// The gradient of a corner, times `scale`.
     #[inline(always)]
-    fn of(self, hash: u32) -> [f32; 2] {
-        match self {
+    fn of(self, hash: u32, scale: f32) -> [f32; 2] {
+        let gradient = match self {
             Gradients::Unit => UNIT_GRADIENTS[(hash >> 28) as usize],
             Gradients::Edges => EDGE_GRADIENTS[(((hash >> 16) * 12) >> 16) as usize],
-        }
+        };
+        gradient.map(|component| component * scale)
     }
 
     /// What brings the greatest value to 1: four gradients pointing at a cell's centre give 1/√2 and 2.
@@ -78,7 +80,6 @@ impl Gradients {
 struct Across {
     fraction: f32,
     fade: f32,
-    scale: f32,
 }
 
 impl Across {
@@ -87,9 +88,7 @@ impl Across {
     fn line(self, south: [f32; 2], north: [f32; 2]) -> [f32; 2] {
         let below = south[1] * self.fraction;
         let above = north[1] * (self.fraction - 1.0);
-        let a = self.scale * (below + self.fade * (above - below));
-        let b = self.scale * (south[0] + self.fade * (north[0] - south[0]));
-        [a, b]
+        [below + self.fade * (above - below), south[0] + self.fade * (north[0] - south[0])]
     }
 }
 
@@ -104,11 +103,12 @@ fn between(left: [f32; 2], right: [f32; 2], fraction: f32, fade: f32) -> f32 {
 /// The noise at a point, times `amplitude`.
 pub(super) fn at(gradients: Gradients, lattice: &Lattice, amplitude: f32, u: f64, v: f64) -> f32 {
     let (column, row) = (lattice.locate(0, u), lattice.locate(1, v));
-    let fade = gradients.fade();
-    let across = Across { fraction: row.fraction as f32, fade: fade.weight(row.fraction) as f32, scale: gradients.scale() * amplitude };
-    let gradient = |i: i64, j: i64| gradients.of(hash::corner(hash::column_key(i), hash::row_key(j, lattice.seed)));
+    let (fade, scale) = (gradients.fade(), gradients.scale() * amplitude);
+    let (fx, fy) = (column.fraction as f32, row.fraction as f32);
+    let across = Across { fraction: fy, fade: fade.weight(fy) };
+    let gradient = |i: i64, j: i64| gradients.of(hash::corner(hash::column_key(i), hash::row_key(j, lattice.seed)), scale);
     let line = |i: i64| across.line(gradient(i, row.cell), gradient(i, row.cell + 1));
-    between(line(column.cell), line(column.cell + 1), column.fraction as f32, fade.weight(column.fraction) as f32)
+    between(line(column.cell), line(column.cell + 1), fx, fade.weight(fx))
 }
 
 /// The noise of Blender at a point, times `amplitude`: each corner of the cell adds its gradient's value times the radial kernel 1 - 3 r² + 2 r³ of its
@@ -118,14 +118,15 @@ pub(super) fn blender_at(lattice: &Lattice, amplitude: f32, u: f64, v: f64) -> f
     let (fx, fy) = (column.fraction as f32, row.fraction as f32);
     let mut sum = 0.0;
     for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-        let [gx, gy] = Gradients::Unit.of(hash::corner(hash::column_key(column.cell + i), hash::row_key(row.cell + j, lattice.seed)));
+        let hash = hash::corner(hash::column_key(column.cell + i), hash::row_key(row.cell + j, lattice.seed));
+        let [gx, gy] = Gradients::Unit.of(hash, BLENDER_SCALE * amplitude);
         let (dx, dy) = (fx - i as f32, fy - j as f32);
         let square = dx * dx + dy * dy;
         let (radius, rest) = (square.sqrt(), 1.0 - square.sqrt());
         let kernel = if square < 1.0 { rest * rest * (1.0 + (radius + radius)) } else { 0.0 };
         sum += kernel * (gx * dx + gy * dy);
     }
-    sum * (BLENDER_SCALE * amplitude)
+    sum
 }
 
 /// What brings the greatest value of Blender's noise to 1: without it, that is 0.576 227, where the four best of the 16 gradients meet at (0.470, 0.5).

@@ -3,7 +3,7 @@
 use super::{
     Lanes,
     cells::{Axis, Lattice, Located},
-    gradient_lanes::Noise,
+    gradient_lanes::{Noise, Palette},
 };
 use core::marker::PhantomData;
 
@@ -11,8 +11,7 @@ use core::marker::PhantomData;
 pub(super) struct GradientRows<N> {
     noise: PhantomData<N>,
     lattice: Lattice,
-    /// Factor of the noise, [`Noise::scale`] included.
-    scale: f32,
+    palette: Palette,
     columns: Located,
     v: f64,
 }
@@ -21,7 +20,7 @@ impl<N: Noise> GradientRows<N> {
     #[inline(always)]
     pub(super) fn new<L: Lanes>(lanes: L, lattice: Lattice, amplitude: f32, coordinates: &[f64]) -> Self {
         let columns = Located::new(lanes, &lattice, N::FADE, coordinates, 1);
-        Self { noise: PhantomData, lattice, scale: N::scale() * amplitude, columns, v: 0.0 }
+        Self { noise: PhantomData, lattice, palette: N::palette(amplitude), columns, v: 0.0 }
     }
 
     /// Goes to the row of programme coordinate `v`.
@@ -32,15 +31,14 @@ impl<N: Noise> GradientRows<N> {
     /// Writes the noise at the columns from `start` on, which are whole vectors or the last ones.
     #[inline(always)]
     pub(super) fn fill<L: Lanes>(&self, lanes: L, start: usize, out: &mut [f32]) {
-        let (_, y) = self.lattice.axis_at(lanes, N::FADE, 1, self.v);
-        let scale = lanes.splat(self.scale);
+        let (_, rows, y) = self.lattice.axis_at(lanes, N::FADE, 1, self.v);
         let Located { keys: [near, far], fractions, fades, .. } = &self.columns;
         let keys = near[start..].chunks_exact(L::WIDTH).zip(far[start..].chunks_exact(L::WIDTH));
         let places = fractions[start..].chunks_exact(L::WIDTH).zip(fades[start..].chunks_exact(L::WIDTH));
         for (out, ((near, far), (fraction, fade))) in out.chunks_exact_mut(L::WIDTH).zip(keys.zip(places)) {
-            let keys = [lanes.load_words(near), lanes.load_words(far)];
-            let x = Axis { keys, fraction: lanes.load(fraction), fade: lanes.load(fade), turn: lanes.splat(0.0) };
-            lanes.store(N::value(lanes, scale, &x, &y), out);
+            let corners = N::corners(lanes, &self.palette, [lanes.load_words(near), lanes.load_words(far)], rows);
+            let x = Axis { fraction: lanes.load(fraction), fade: lanes.load(fade), turn: lanes.splat(0.0) };
+            lanes.store(N::value(lanes, &corners, &x, &y), out);
         }
     }
 }

@@ -58,24 +58,50 @@ pub(super) fn top_of_corners<L: Lanes>(lanes: L, columns: L::Words, rows: L::Wor
     (h ^ lanes.shr::<15>(h)) * lanes.splat_words(0xd35a_2d97)
 }
 
-/// [`column_key`] (axis 0) or [`row_key`] (axis 1) of the cells whose low and high words are given, and of the next cells.
-///
-/// `NEAR` says that all numbers fit 32 bits with their sign: the high word is then the low one's sign and need not be known.
+/// [`column_key`] (axis 0) or [`row_key`] (axis 1) of the cells that are counted from `base`, less than 2^31 beyond it, and of the next cells.
 #[inline(always)]
-pub(super) fn keys<L: Lanes, const NEAR: bool>(lanes: L, axis: usize, seed: u32, [low, high]: [L::Words; 2]) -> [L::Words; 2] {
-    let [low_factor, high_factor] = FACTORS[axis];
-    let (factor, next) = (lanes.splat_words(low_factor), low + lanes.splat_words(1));
-    let seed = lanes.splat_words(if axis == 0 { 0 } else { seed });
-    let near = low * factor;
-    let (near, far) = (near ^ seed, (near + factor) ^ seed);
-    if NEAR {
-        let negative = lanes.splat_words(high_factor.wrapping_neg());
-        return [near ^ (lanes.sar::<31>(low) & negative), far ^ (lanes.sar::<31>(next) & negative)];
-    }
+pub(super) fn keys<L: Lanes>(lanes: L, axis: usize, seed: u32, base: i64, cells: L::Words) -> [L::Words; 2] {
+    let [low_factor, high_factor] = FACTORS[axis].map(|factor| lanes.splat_words(factor));
+    let (base_low, seed) = (lanes.splat_words(base as u32), lanes.splat_words(if axis == 0 { 0 } else { seed }));
+    let low = base_low + cells;
+    let next = low + lanes.splat_words(1);
     // A carry is where the top bit falls from one to zero.
+    let high = lanes.splat_words((base >> 32) as u32) + lanes.shr::<31>((base_low ^ low) & base_low);
     let carried = high + lanes.shr::<31>((low ^ next) & low);
-    let high_factor = lanes.splat_words(high_factor);
-    [near ^ (high * high_factor), far ^ (carried * high_factor)]
+    let near = low * low_factor;
+    [near ^ (high * high_factor) ^ seed, (near + low_factor) ^ (carried * high_factor) ^ seed]
+}
+
+/// [`keys`] of cells that all have the same high words: products of low words, of which every corner's hash takes one a direction and the factor as it is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NearKeys {
+    low: u32,
+    factor: u32,
+    /// The share of the high word and of the seed.
+    pub high: u32,
+}
+
+impl NearKeys {
+    /// For the cells from `base` to `reach` cells beyond and their neighbours; none if their high words differ.
+    #[inline(always)]
+    pub(super) fn new(axis: usize, seed: u32, base: i64, reach: u32) -> Option<Self> {
+        let [factor, high_factor] = FACTORS[axis];
+        let high = base >> 32;
+        let seed = if axis == 0 { 0 } else { seed };
+        ((base + i64::from(reach) + 1) >> 32 == high).then(|| Self {
+            low: (base as u32).wrapping_mul(factor),
+            factor,
+            high: (high as u32).wrapping_mul(high_factor) ^ seed,
+        })
+    }
+
+    /// The keys of cells counted from the base and of the next, but for `high`.
+    #[inline(always)]
+    pub(super) fn keys<L: Lanes>(&self, lanes: L, cells: L::Words) -> [L::Words; 2] {
+        let factor = lanes.splat_words(self.factor);
+        let near = cells * factor + lanes.splat_words(self.low);
+        [near, near + factor]
+    }
 }
 
 #[cfg(test)]

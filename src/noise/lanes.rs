@@ -11,6 +11,12 @@ use core::ops::{Add, BitAnd, BitOr, BitXor, Mul, Sub};
 pub trait Lanes: Copy {
     /// Lanes of a vector of floats.
     const WIDTH: usize;
+    /// Places of a slice that [`Lanes::permute`] reads.
+    const REACH: usize;
+    /// Places of each slice that [`Lanes::permute_two`] reads.
+    const SPAN: usize;
+    /// The set's own vectors.
+    type Single: Lanes;
     /// `WIDTH` f32.
     type Floats: Copy + Add<Output = Self::Floats> + Sub<Output = Self::Floats> + Mul<Output = Self::Floats>;
     /// `WIDTH` u32; sums and products wrap.
@@ -24,6 +30,8 @@ pub trait Lanes: Copy {
     /// `WIDTH` f64.
     type Doubles: Copy + Add<Output = Self::Doubles> + Sub<Output = Self::Doubles> + Mul<Output = Self::Doubles>;
 
+    /// The token of the set's own vectors.
+    fn single(self) -> Self::Single;
     /// One value in every lane.
     fn splat(self, value: f32) -> Self::Floats;
     /// The first `WIDTH` values of a slice that has as many.
@@ -66,27 +74,29 @@ pub trait Lanes: Copy {
     /// The float of a word below 2^24.
     fn convert(self, a: Self::Words) -> Self::Floats;
 
-    /// For each lane the value of the first `WIDTH` of a slice that its word, taken modulo `WIDTH`, names.
+    /// For each lane the value of the first `REACH` of a slice that its word, taken modulo `REACH`, names.
     fn permute(self, from: &[f32], index: Self::Words) -> Self::Floats;
-    /// For each lane the value that its word's low three bits name.
-    fn lookup8(self, table: &[f32; 8], index: Self::Words) -> Self::Floats;
+    /// For each lane one of the first `SPAN` values of two slices: its word's lowest bits, as many as `SPAN` needs, name the place and the next bit the slice.
+    fn permute_two(self, from: [&[f32]; 2], index: Self::Words) -> Self::Floats;
     /// For each lane the value that its word's low four bits name.
     fn lookup16(self, table: &[f32; 16], index: Self::Words) -> Self::Floats;
-    /// For each lane the bytes of two tables, each as the top byte of a float whose other bytes are zero, that the word's high half times 12 / 2^16 names.
-    fn twelfths(self, tables: &[[u8; 16]; 2], hash: Self::Words) -> [Self::Floats; 2];
+    /// For each lane the values of two tables that its word's top four bits name; the last eight of each table are the first eight's negatives.
+    fn sixteenths(self, tables: &[[f32; 16]; 2], hash: Self::Words) -> [Self::Floats; 2];
+    /// For each lane the values of two tables that the word's high half times 12 / 2^16 names: zero, or the first value or its negative. Of each value divided by
+    /// half the first, only the top byte is not zero, and is given too.
+    fn twelfths(self, tables: &[[f32; 16]; 2], bytes: &[[u8; 16]; 2], hash: Self::Words) -> [Self::Floats; 2];
 
-    /// The greatest whole number that is not greater.
-    fn floor(self, a: Self::Doubles) -> Self::Doubles;
-    /// The nearest floats.
-    fn round(self, a: Self::Doubles) -> Self::Floats;
-    /// The low and the high words of whole numbers below 2^51 as 64-bit integers.
-    fn whole_words(self, a: Self::Doubles) -> [Self::Words; 2];
+    /// The low words of bits.
+    fn low_words(self, a: Self::Doubles) -> Self::Words;
+    /// The high words of bits.
+    fn high_words(self, a: Self::Doubles) -> Self::Words;
+    /// The lesser of finite numbers.
+    fn least(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    /// The greater of finite numbers.
+    fn greatest(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    /// The least of each of two vectors, and the greatest of each of two others, all numbers being finite.
+    fn ends(self, least: [Self::Doubles; 2], greatest: [Self::Doubles; 2]) -> [[f64; 2]; 2];
 }
-
-/// At 3 · 2^51 the spacing of f64 is 1: a whole number below 2^51 that is added to it stands in the low bits.
-pub(super) const WHOLE: f64 = 6_755_399_441_055_744.0;
-/// The high word of [`WHOLE`]; its low word is zero.
-pub(super) const WHOLE_HIGH: u32 = 0x4338_0000;
 
 /// Vectors as arrays of N.
 #[derive(Clone, Copy, Debug)]
@@ -145,9 +155,17 @@ impl<T: Copy, const N: usize> Array<T, N> {
 
 impl<const N: usize> Lanes for Plain<N> {
     const WIDTH: usize = N;
+    const REACH: usize = N;
+    const SPAN: usize = 4;
+    type Single = Self;
     type Floats = Array<f32, N>;
     type Words = Array<u32, N>;
     type Doubles = Array<f64, N>;
+
+    #[inline(always)]
+    fn single(self) -> Self {
+        self
+    }
 
     #[inline(always)]
     fn splat(self, value: f32) -> Self::Floats {
@@ -256,8 +274,8 @@ impl<const N: usize> Lanes for Plain<N> {
     }
 
     #[inline(always)]
-    fn lookup8(self, table: &[f32; 8], index: Self::Words) -> Self::Floats {
-        index.map(|index| table[(index & 7) as usize])
+    fn permute_two(self, from: [&[f32]; 2], index: Self::Words) -> Self::Floats {
+        index.map(|index| from[(index >> 2 & 1) as usize][(index & 3) as usize])
     }
 
     #[inline(always)]
@@ -266,23 +284,40 @@ impl<const N: usize> Lanes for Plain<N> {
     }
 
     #[inline(always)]
-    fn twelfths(self, tables: &[[u8; 16]; 2], hash: Self::Words) -> [Self::Floats; 2] {
-        tables.map(|table| hash.map(|hash| f32::from_bits(u32::from(table[(((hash >> 16) * 12) >> 16) as usize]) << 24)))
+    fn sixteenths(self, tables: &[[f32; 16]; 2], hash: Self::Words) -> [Self::Floats; 2] {
+        [hash.map(|hash| tables[0][(hash >> 28) as usize]), hash.map(|hash| tables[1][(hash >> 28) as usize])]
     }
 
     #[inline(always)]
-    fn floor(self, a: Self::Doubles) -> Self::Doubles {
-        a.map(f64::floor)
+    fn twelfths(self, tables: &[[f32; 16]; 2], _: &[[u8; 16]; 2], hash: Self::Words) -> [Self::Floats; 2] {
+        let index = hash.map(|hash| ((hash >> 16) * 12) >> 16);
+        [index.map(|index| tables[0][index as usize]), index.map(|index| tables[1][index as usize])]
     }
 
     #[inline(always)]
-    fn round(self, a: Self::Doubles) -> Self::Floats {
-        a.map(|a| a as f32)
+    fn low_words(self, a: Self::Doubles) -> Self::Words {
+        a.map(|a| a.to_bits() as u32)
     }
 
     #[inline(always)]
-    fn whole_words(self, a: Self::Doubles) -> [Self::Words; 2] {
-        let bits = a.map(|a| (a + WHOLE).to_bits());
-        [bits.map(|bits| bits as u32), bits.map(|bits| ((bits >> 32) as u32).wrapping_sub(WHOLE_HIGH))]
+    fn high_words(self, a: Self::Doubles) -> Self::Words {
+        a.map(|a| (a.to_bits() >> 32) as u32)
+    }
+
+    #[inline(always)]
+    fn least(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles {
+        a.zip(b, |a, b| if b < a { b } else { a })
+    }
+
+    #[inline(always)]
+    fn greatest(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles {
+        a.zip(b, |a, b| if b > a { b } else { a })
+    }
+
+    #[inline(always)]
+    fn ends(self, least: [Self::Doubles; 2], greatest: [Self::Doubles; 2]) -> [[f64; 2]; 2] {
+        let least = least.map(|a| a.0.into_iter().fold(a.0[0], |least, a| if a < least { a } else { least }));
+        let greatest = greatest.map(|a| a.0.into_iter().fold(a.0[0], |greatest, a| if a > greatest { a } else { greatest }));
+        [least, greatest]
     }
 }

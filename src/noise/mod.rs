@@ -20,12 +20,15 @@ mod isa;
 mod lanes;
 mod metric;
 mod moments;
+mod nodes;
 mod number;
 mod opening;
 mod points;
 mod rows;
+mod scatter;
 mod shape;
 mod sheet;
+mod twice;
 mod valleys;
 #[cfg(target_arch = "x86_64")]
 #[expect(unsafe_code, reason = "calling intrinsics, reading and writing vectors")]

@@ -3,14 +3,15 @@
 use super::{
     Basis, Field, Isa, Kernel, Lanes,
     aligned::AlignedArray,
-    cells::{Axis, Fade, Lattice},
-    field::Octave,
-    fractal::{State, Step, with_step},
+    fractal::{Step, with_step},
     gradient_lanes::{Blender, IPerlin, Noise, OPerlin},
     lanes::Plain,
     number::{Dual, Real},
     rows::{add_noise, finish},
+    scatter::{BLOCK, Positions, Scratch, per_unit},
+    twice::Twice,
 };
+use std::cell::RefCell;
 
 impl Basis {
     /// Whether fields of it have slopes: where it is gradient noise.
@@ -28,9 +29,9 @@ impl Field {
     pub fn points(&self, isa: Isa, us: &[f64], vs: &[f64], out: &mut [f32]) {
         assert!(us.len() == out.len() && vs.len() == out.len(), "{} and {} coordinates for {} values", us.len(), vs.len(), out.len());
         match self.basis {
-            Basis::OPerlin => isa.run(Points { field: self, noise: OPerlin, us, vs, out }),
-            Basis::IPerlin => isa.run(Points { field: self, noise: IPerlin, us, vs, out }),
-            Basis::Blender => isa.run(Points { field: self, noise: Blender, us, vs, out }),
+            Basis::OPerlin => SCRATCH.with_borrow_mut(|scratch| isa.run(Points { scratch, field: self, noise: OPerlin, us, vs, out })),
+            Basis::IPerlin => SCRATCH.with_borrow_mut(|scratch| isa.run(Points { scratch, field: self, noise: IPerlin, us, vs, out })),
+            Basis::Blender => SCRATCH.with_borrow_mut(|scratch| isa.run(Points { scratch, field: self, noise: Blender, us, vs, out })),
             _ => isa.run(CellularPoints { field: self, isa, us, vs, out }),
         }
     }
@@ -51,9 +52,10 @@ impl Field {
         let one = Plain::<1>;
         let mut state = self.before(one);
         for octave in &self.octaves {
-            let ((_, x), (_, y)) = (octave.lattice.axis_at(one, N::FADE, 0, u), octave.lattice.axis_at(one, N::FADE, 1, v));
-            let dual = N::dual(one, one.splat(N::scale() * octave.amplitude), &x, &y);
-            let noise = per_unit(one, dual, octave.lattice.frequency);
+            let (_, columns, x) = octave.lattice.axis_at(one, N::FADE, 0, u);
+            let (_, rows, y) = octave.lattice.axis_at(one, N::FADE, 1, v);
+            let corners = N::corners(one, &N::palette(octave.amplitude), columns, rows);
+            let noise = per_unit(one, N::dual(one, &corners, &x, &y), octave.lattice.frequency);
             state = with_step!(&octave.step, step => step.after(one, noise, state));
         }
         self.after(one, state)
@@ -67,9 +69,9 @@ impl Field {
         let lengths = [us.len(), vs.len(), du.len(), dv.len()];
         assert!(lengths.iter().all(|&length| length == lengths[0]), "slices of {lengths:?}");
         match self.basis {
-            Basis::OPerlin => isa.run(Slopes { field: self, noise: OPerlin, us, vs, du, dv }),
-            Basis::IPerlin => isa.run(Slopes { field: self, noise: IPerlin, us, vs, du, dv }),
-            Basis::Blender => isa.run(Slopes { field: self, noise: Blender, us, vs, du, dv }),
+            Basis::OPerlin => SCRATCH.with_borrow_mut(|scratch| isa.run(Slopes { scratch, field: self, noise: OPerlin, us, vs, du, dv })),
+            Basis::IPerlin => SCRATCH.with_borrow_mut(|scratch| isa.run(Slopes { scratch, field: self, noise: IPerlin, us, vs, du, dv })),
+            Basis::Blender => SCRATCH.with_borrow_mut(|scratch| isa.run(Slopes { scratch, field: self, noise: Blender, us, vs, du, dv })),
             _ => {
                 du.fill(0.0);
                 dv.fill(0.0);
@@ -78,107 +80,36 @@ impl Field {
     }
 }
 
-/// Slopes a cell, times `frequency` cells a unit.
-#[inline(always)]
-fn per_unit<L: Lanes>(lanes: L, dual: Dual<L>, frequency: f64) -> Dual<L> {
-    let frequency = lanes.splat(frequency as f32);
-    Dual { value: dual.value, slopes: [dual.slopes[0] * frequency, dual.slopes[1] * frequency] }
+thread_local! {
+    /// Kept from call to call: to clear it each time would take as long as an octave.
+    static SCRATCH: RefCell<Box<Scratch>> = RefCell::new(Box::new(Scratch::new()));
 }
 
-/// Positions that are taken through an octave together.
-const BLOCK: usize = 256;
-
-/// How far a block lies from the origin.
-#[derive(Clone, Copy, PartialEq)]
-enum Reach {
-    /// Cells' numbers fit 32 bits.
-    Near,
-    /// They fit 52 bits.
-    Middle,
-    /// Or not, or there is no such place.
-    Far,
-}
-
-impl Reach {
-    #[inline(always)]
-    fn of(field: &Field, us: &[f64], vs: &[f64]) -> Self {
-        // Bits of magnitudes are in the magnitudes' order, and those of what is no number beyond all.
-        let magnitude = |greatest: u64, c: &f64| greatest.max(c.to_bits() & (u64::MAX >> 1));
-        let greatest = f64::from_bits(vs.iter().fold(us.iter().fold(0, magnitude), magnitude));
-        if field.octaves.iter().all(|octave| octave.lattice.is_near(greatest)) {
-            Reach::Near
-        } else if field.octaves.iter().all(|octave| octave.lattice.holds(greatest)) {
-            Reach::Middle
-        } else {
-            Reach::Far
+/// Calls `block` with all positions, block by block, the last incomplete vector filled up: where the block begins, how many positions it has, and the positions.
+macro_rules! in_blocks {
+    ($lanes:ty, $us:expr, $vs:expr, |$start:ident, $count:ident, $positions:ident| $block:expr) => {{
+        let (us, vs, mut $start): (&[f64], &[f64], _) = ($us, $vs, 0);
+        let mut padded: [[f64; 32]; 2];
+        let whole = us.len() - us.len() % <$lanes>::WIDTH;
+        while $start < us.len() {
+            let $count = if $start < whole { (whole - $start).min(BLOCK) } else { us.len() - $start };
+            let $positions = if $start < whole {
+                Positions { us: &us[$start..][..$count], vs: &vs[$start..][..$count] }
+            } else {
+                padded = [[us[$start]; 32], [vs[$start]; 32]];
+                padded[0][..$count].copy_from_slice(&us[$start..]);
+                padded[1][..$count].copy_from_slice(&vs[$start..]);
+                Positions { us: &padded[0][..<$lanes>::WIDTH], vs: &padded[1][..<$lanes>::WIDTH] }
+            };
+            $block;
+            $start += $count;
         }
-    }
-}
-
-/// A vector of coordinates, of which the last is repeated where there are fewer.
-#[inline(always)]
-fn load<L: Lanes>(lanes: L, from: &[f64]) -> L::Doubles {
-    if from.len() >= L::WIDTH {
-        return lanes.load_doubles(from);
-    }
-    let mut padded = [from[from.len() - 1]; 16];
-    padded[..from.len()].copy_from_slice(from);
-    lanes.load_doubles(&padded)
-}
-
-/// Writes as many values as there is room for.
-#[inline(always)]
-fn store<L: Lanes>(lanes: L, values: L::Floats, to: &mut [f32]) {
-    if to.len() >= L::WIDTH {
-        return lanes.store(values, to);
-    }
-    let mut padded = [0.0; 16];
-    lanes.store(values, &mut padded);
-    let count = to.len();
-    to.copy_from_slice(&padded[..count]);
-}
-
-/// Where a block's positions lie in an octave's lattice, along one axis.
-struct Places {
-    keys: [[u32; BLOCK]; 2],
-    fractions: AlignedArray<BLOCK>,
-    fades: AlignedArray<BLOCK>,
-}
-
-impl Places {
-    fn new() -> Self {
-        Self { keys: [[0; BLOCK]; 2], fractions: AlignedArray([0.0; BLOCK]), fades: AlignedArray([0.0; BLOCK]) }
-    }
-
-    #[inline(always)]
-    fn locate<L: Lanes, const NEAR: bool>(&mut self, lanes: L, lattice: &Lattice, fade: Fade, axis: usize, coordinates: &[f64]) {
-        let [near, far] = &mut self.keys;
-        let keys = near.chunks_exact_mut(L::WIDTH).zip(far.chunks_exact_mut(L::WIDTH));
-        let places = self.fractions.0.chunks_exact_mut(L::WIDTH).zip(self.fades.0.chunks_exact_mut(L::WIDTH));
-        for (coordinates, ((near, far), (fraction, fade_of))) in coordinates.chunks_exact(L::WIDTH).zip(keys.zip(places)) {
-            let axis = lattice.axis::<L, NEAR>(lanes, fade, axis, lanes.load_doubles(coordinates));
-            lanes.store_words(axis.keys[0], near);
-            lanes.store_words(axis.keys[1], far);
-            lanes.store(axis.fraction, fraction);
-            lanes.store(axis.fade, fade_of);
-        }
-    }
-
-    #[inline(always)]
-    fn axis<L: Lanes>(&self, lanes: L, start: usize) -> Axis<L> {
-        Axis {
-            keys: [lanes.load_words(&self.keys[0][start..]), lanes.load_words(&self.keys[1][start..])],
-            fraction: lanes.load(&self.fractions.0[start..]),
-            fade: lanes.load(&self.fades.0[start..]),
-            turn: lanes.splat(0.0),
-        }
-    }
+    }};
 }
 
 /// [`Field::points`].
-///
-/// Octave by octave, and in each first where positions lie, then the noise there: short loops, whose steps do not wait for each other.
 struct Points<'a, N> {
+    scratch: &'a mut Scratch,
     field: &'a Field,
     noise: N,
     us: &'a [f64],
@@ -191,37 +122,22 @@ impl<N: Noise> Kernel for Points<'_, N> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        let Self { field, noise, us, vs, out } = self;
-        let (mut x, mut y) = (Places::new(), Places::new());
-        let (mut padded_us, mut padded_vs) = ([0.0; BLOCK], [0.0; BLOCK]);
-        for ((us, vs), out) in us.chunks(BLOCK).zip(vs.chunks(BLOCK)).zip(out.chunks_mut(BLOCK)) {
-            let reach = Reach::of(field, us, vs);
-            if reach == Reach::Far {
-                out.iter_mut().zip(us.iter().zip(vs)).for_each(|(out, (&u, &v))| *out = field.at(u, v));
-                continue;
+        if L::WIDTH == 8 { self.run_wide((Twice(lanes), Twice(lanes))) } else { self.run_wide((Twice(lanes), lanes)) }
+    }
+}
+
+impl<N: Noise> Points<'_, N> {
+    #[inline(always)]
+    fn run_wide<L: Lanes, G: Lanes>(self, lanes: (L, G)) {
+        let Self { scratch, field, noise, us, vs, out } = self;
+        in_blocks!(L, us, vs, |start, count, positions| {
+            let out = &mut out[start..][..count];
+            if scratch.compute::<L, Real<L>, G, N>(lanes, noise, field, positions) {
+                out.copy_from_slice(&scratch.values[0].0[..count]);
+            } else {
+                out.iter_mut().zip(us[start..].iter().zip(&vs[start..])).for_each(|(out, (&u, &v))| *out = field.at(u, v));
             }
-            // What follows the last position to make whole vectors is located too, but not used.
-            padded_us[..us.len()].copy_from_slice(us);
-            padded_vs[..vs.len()].copy_from_slice(vs);
-            let count = us.len().next_multiple_of(L::WIDTH);
-            let (mut values, mut openings) = (AlignedArray([field.start; BLOCK]), AlignedArray([1.0; BLOCK]));
-            for octave in &field.octaves {
-                if reach == Reach::Near {
-                    x.locate::<L, true>(lanes, &octave.lattice, N::FADE, 0, &padded_us[..count]);
-                    y.locate::<L, true>(lanes, &octave.lattice, N::FADE, 1, &padded_vs[..count]);
-                } else {
-                    x.locate::<L, false>(lanes, &octave.lattice, N::FADE, 0, &padded_us[..count]);
-                    y.locate::<L, false>(lanes, &octave.lattice, N::FADE, 1, &padded_vs[..count]);
-                }
-                let scale = N::scale() * octave.amplitude;
-                let (values, openings) = (&mut values.0[..count], &mut openings.0[..count]);
-                with_step!(&octave.step, step => add(lanes, noise, *step, scale, [&x, &y], values, openings));
-            }
-            if let Some(tail) = &field.tail {
-                finish(lanes, *tail, &mut values.0[..count], &openings.0[..count]);
-            }
-            out.copy_from_slice(&values.0[..out.len()]);
-        }
+        });
     }
 }
 
@@ -256,20 +172,9 @@ impl Kernel for CellularPoints<'_> {
     }
 }
 
-/// Adds an octave to positions.
-#[inline(always)]
-fn add<L: Lanes, N: Noise, S: Step>(lanes: L, _: N, step: S, scale: f32, [x, y]: [&Places; 2], values: &mut [f32], openings: &mut [f32]) {
-    let scale = lanes.splat(scale);
-    let states = values.chunks_exact_mut(L::WIDTH).zip(openings.chunks_exact_mut(L::WIDTH));
-    for (at, (value, opening)) in states.enumerate() {
-        let noise = N::value(lanes, scale, &x.axis(lanes, at * L::WIDTH), &y.axis(lanes, at * L::WIDTH));
-        let state = State::load::<S>(lanes, value, opening);
-        step.after(lanes, Real(noise), state).store::<S>(lanes, value, opening);
-    }
-}
-
 /// [`Field::slope_points`].
 struct Slopes<'a, N> {
+    scratch: &'a mut Scratch,
     field: &'a Field,
     noise: N,
     us: &'a [f64],
@@ -283,33 +188,25 @@ impl<N: Noise> Kernel for Slopes<'_, N> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        let Self { field, noise, us, vs, du, dv } = self;
-        let blocks = us.chunks(BLOCK).zip(vs.chunks(BLOCK)).zip(du.chunks_mut(BLOCK).zip(dv.chunks_mut(BLOCK)));
-        for ((us, vs), (du, dv)) in blocks {
-            if Reach::of(field, us, vs) == Reach::Far {
-                for ((&u, &v), (du, dv)) in us.iter().zip(vs).zip(du.iter_mut().zip(dv)) {
-                    [*du, *dv] = field.slopes_at(u, v);
-                }
-                continue;
-            }
-            let vectors = us.chunks(L::WIDTH).zip(vs.chunks(L::WIDTH)).zip(du.chunks_mut(L::WIDTH).zip(dv.chunks_mut(L::WIDTH)));
-            for ((us, vs), (du, dv)) in vectors {
-                let dual = through(lanes, field, noise, load(lanes, us), load(lanes, vs));
-                store(lanes, dual.slopes[0], du);
-                store(lanes, dual.slopes[1], dv);
-            }
-        }
+        if L::WIDTH == 8 { self.run_wide((Twice(lanes), Twice(lanes))) } else { self.run_wide((Twice(lanes), lanes)) }
     }
 }
 
-/// A vector of positions through all octaves.
-#[inline(always)]
-fn through<L: Lanes, N: Noise>(lanes: L, field: &Field, _: N, u: L::Doubles, v: L::Doubles) -> Dual<L> {
-    let mut state = field.before(lanes);
-    for Octave { lattice, amplitude, step, .. } in &field.octaves {
-        let (x, y) = (lattice.axis::<L, false>(lanes, N::FADE, 0, u), lattice.axis::<L, false>(lanes, N::FADE, 1, v));
-        let noise = per_unit(lanes, N::dual(lanes, lanes.splat(N::scale() * amplitude), &x, &y), lattice.frequency);
-        state = with_step!(step, step => step.after(lanes, noise, state));
+impl<N: Noise> Slopes<'_, N> {
+    #[inline(always)]
+    fn run_wide<L: Lanes, G: Lanes>(self, lanes: (L, G)) {
+        let Self { scratch, field, noise, us, vs, du, dv } = self;
+        in_blocks!(L, us, vs, |start, count, positions| {
+            let (du, dv) = (&mut du[start..][..count], &mut dv[start..][..count]);
+            if scratch.compute::<L, Dual<L>, G, N>(lanes, noise, field, positions) {
+                let [_, slopes @ ..] = &scratch.values;
+                du.copy_from_slice(&slopes[0].0[..count]);
+                dv.copy_from_slice(&slopes[1].0[..count]);
+            } else {
+                for ((&u, &v), (du, dv)) in us[start..].iter().zip(&vs[start..]).zip(du.iter_mut().zip(dv)) {
+                    [*du, *dv] = field.slopes_at(u, v);
+                }
+            }
+        });
     }
-    field.after(lanes, state)
 }

@@ -9,7 +9,7 @@ use super::{
     aligned::Aligned,
     cells::{Axis, Lattice, Located},
     fractal::{State, Step},
-    gradient_lanes::{self, Noise},
+    gradient_lanes::{self, Noise, Palette},
     hash,
     number::Real,
 };
@@ -31,8 +31,7 @@ pub(super) struct Sheet<N> {
 /// An octave.
 struct Level {
     lattice: Lattice,
-    /// Factor of the noise, [`Noise::scale`] included.
-    scale: f32,
+    palette: Palette,
     /// Where its lattice columns begin among all octaves'.
     start: usize,
     /// Of each lattice column, whole vectors of them.
@@ -92,8 +91,8 @@ impl<N: Noise> Sheet<N> {
         let (a, rest) = values.split_at_mut(*room);
         let (b, c) = rest.split_at_mut(*room);
         for level in &mut self.levels {
-            let (row, y) = level.lattice.axis_at(lanes, N::FADE, 1, v);
-            level.go::<L, N>(lanes, row, &y);
+            let (row, keys, y) = level.lattice.axis_at(lanes, N::FADE, 1, v);
+            level.go::<L, N>(lanes, row, keys);
             let columns = level.start..level.start + level.keys.len();
             level.draw(lanes, &y, [&mut a[columns.clone()], &mut b[columns.clone()], &mut c[columns]]);
         }
@@ -127,7 +126,7 @@ fn plan<L: Lanes, N: Noise>(lanes: L, lattice: Lattice, amplitude: f32, coordina
     }
     let floats = || Aligned::new(0.0, drawn);
     let corners = [[floats(), floats()], [floats(), floats()]];
-    Some(Plan { level: Level { lattice, scale: N::scale() * amplitude, start, keys, row: None, corners }, located, first })
+    Some(Plan { level: Level { lattice, palette: N::palette(amplitude), start, keys, row: None, corners }, located, first })
 }
 
 /// The records of all octaves.
@@ -153,7 +152,7 @@ fn records<L: Lanes>(lanes: L, plans: &[Plan]) -> Aligned<f32> {
 impl Level {
     /// Makes the corners those of a lattice row and the next, hashing what is missing.
     #[inline(always)]
-    fn go<L: Lanes, N: Noise>(&mut self, lanes: L, row: i64, y: &Axis<L>) {
+    fn go<L: Lanes, N: Noise>(&mut self, lanes: L, row: i64, rows: [L::Words; 2]) {
         let missing = match self.row.map(|present| row.wrapping_sub(present)) {
             Some(0) => return,
             Some(1) => [false, true],
@@ -168,7 +167,7 @@ impl Level {
             let [gx, gy] = &mut self.corners[side];
             let corners = gx.chunks_exact_mut(L::WIDTH).zip(gy.chunks_exact_mut(L::WIDTH));
             for (keys, (gx, gy)) in self.keys.chunks_exact(L::WIDTH).zip(corners) {
-                let gradients = N::gradients(lanes, lanes.load_words(keys), y.keys[side]);
+                let gradients = N::gradients(lanes, &self.palette, lanes.load_words(keys), rows[side]);
                 lanes.store(gradients[0], gx);
                 lanes.store(gradients[1], gy);
             }
@@ -178,14 +177,13 @@ impl Level {
     /// Computes the lines of every lattice column.
     #[inline(always)]
     fn draw<L: Lanes>(&self, lanes: L, y: &Axis<L>, [a, b, c]: [&mut [f32]; 3]) {
-        let scale = lanes.splat(self.scale);
         let [[south_x, south_y], [north_x, north_y]] = &self.corners;
         let south = south_x.chunks_exact(L::WIDTH).zip(south_y.chunks_exact(L::WIDTH));
         let north = north_x.chunks_exact(L::WIDTH).zip(north_y.chunks_exact(L::WIDTH));
         let lines = a.chunks_exact_mut(L::WIDTH).zip(b.chunks_exact_mut(L::WIDTH)).zip(c.chunks_exact_mut(L::WIDTH));
         for ((south, north), ((to_a, to_b), to_c)) in south.zip(north).zip(lines) {
             let (south, north) = ([lanes.load(south.0), lanes.load(south.1)], [lanes.load(north.0), lanes.load(north.1)]);
-            let [a, b] = gradient_lanes::line(lanes, scale, y, south, north);
+            let [a, b] = gradient_lanes::line(lanes, y, south, north);
             lanes.store(a, to_a);
             lanes.store(b, to_b);
             lanes.store(a - b, to_c);

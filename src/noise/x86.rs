@@ -3,22 +3,23 @@
 //! Tokens and vectors of a set exist only where the processor has it: whoever makes the first token vouches for that, and everything else comes from a token.
 //! This is why the intrinsics may be called.
 
-use super::lanes::{Lanes, WHOLE, WHOLE_HIGH};
+use super::lanes::Lanes;
 use core::{
     arch::x86_64::{
-        __m256, __m256d, __m256i, __m512, __m512d, __m512i, _CMP_LT_OQ, _MM_FROUND_TO_NEG_INF, _mm_loadu_si128, _mm256_add_epi32, _mm256_add_pd, _mm256_add_ps,
-        _mm256_and_ps, _mm256_and_si256, _mm256_blendv_ps, _mm256_broadcastsi128_si256, _mm256_castpd_ps, _mm256_castps_pd, _mm256_castps_si256,
-        _mm256_castsi256_ps, _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvtpd_ps, _mm256_cvttps_epi32, _mm256_floor_pd, _mm256_loadu_pd, _mm256_loadu_ps,
-        _mm256_loadu_si256, _mm256_max_ps, _mm256_min_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_mulhi_epu16, _mm256_mullo_epi32, _mm256_or_si256,
-        _mm256_permute4x64_pd, _mm256_permutevar8x32_ps, _mm256_set_m128, _mm256_set1_epi16, _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps,
-        _mm256_shuffle_epi8, _mm256_shuffle_ps, _mm256_slli_epi32, _mm256_sllv_epi32, _mm256_sqrt_ps, _mm256_srav_epi32, _mm256_srlv_epi32, _mm256_storeu_ps,
-        _mm256_storeu_si256, _mm256_sub_epi32, _mm256_sub_pd, _mm256_sub_ps, _mm256_xor_si256, _mm512_abs_ps, _mm512_add_epi32, _mm512_add_pd, _mm512_add_ps,
-        _mm512_and_si512, _mm512_broadcast_f32x8, _mm512_broadcast_i32x4, _mm512_castpd_si512, _mm512_castps_si512, _mm512_castps256_ps512,
-        _mm512_castsi512_ps, _mm512_cmp_ps_mask, _mm512_cvtepi32_ps, _mm512_cvtpd_ps, _mm512_cvttps_epi32, _mm512_insertf32x8, _mm512_loadu_pd,
-        _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_max_ps, _mm512_min_ps, _mm512_mul_pd, _mm512_mul_ps, _mm512_mulhi_epu16,
-        _mm512_mullo_epi32, _mm512_or_si512, _mm512_permutex2var_epi32, _mm512_permutexvar_ps, _mm512_roundscale_pd, _mm512_set1_epi16, _mm512_set1_epi32,
-        _mm512_set1_pd, _mm512_set1_ps, _mm512_setr_epi32, _mm512_shuffle_epi8, _mm512_slli_epi32, _mm512_sqrt_ps, _mm512_srai_epi32, _mm512_srli_epi32,
-        _mm512_storeu_ps, _mm512_storeu_si512, _mm512_sub_epi32, _mm512_sub_pd, _mm512_sub_ps, _mm512_xor_si512,
+        __m256, __m256d, __m256i, __m512, __m512d, __m512i, _CMP_LT_OQ, _mm_cvtsd_f64, _mm_loadu_si128, _mm_max_pd, _mm_min_pd, _mm_unpackhi_pd,
+        _mm256_add_epi32, _mm256_add_pd, _mm256_add_ps, _mm256_and_ps, _mm256_and_si256, _mm256_blendv_ps, _mm256_broadcastsi128_si256, _mm256_castpd_ps,
+        _mm256_castpd256_pd128, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvttps_epi32, _mm256_extractf128_pd,
+        _mm256_loadu_pd, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_loadu2_m128, _mm256_max_pd, _mm256_max_ps, _mm256_min_pd, _mm256_min_ps, _mm256_mul_pd,
+        _mm256_mul_ps, _mm256_mulhi_epu16, _mm256_mullo_epi32, _mm256_or_si256, _mm256_permute4x64_epi64, _mm256_permutevar8x32_ps, _mm256_set1_epi16,
+        _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_shuffle_epi8, _mm256_shuffle_ps, _mm256_slli_epi32, _mm256_sllv_epi32, _mm256_sqrt_ps,
+        _mm256_srav_epi32, _mm256_srli_epi32, _mm256_srlv_epi32, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_epi32, _mm256_sub_pd, _mm256_sub_ps,
+        _mm256_unpackhi_pd, _mm256_unpacklo_pd, _mm256_xor_ps, _mm256_xor_si256, _mm512_abs_ps, _mm512_add_epi32, _mm512_add_pd, _mm512_add_ps,
+        _mm512_and_si512, _mm512_castpd_si512, _mm512_castpd512_pd256, _mm512_castps_si512, _mm512_castsi512_ps, _mm512_cmp_ps_mask, _mm512_cvtepi32_ps,
+        _mm512_cvttps_epi32, _mm512_extractf64x4_pd, _mm512_loadu_pd, _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_max_pd, _mm512_max_ps,
+        _mm512_min_pd, _mm512_min_ps, _mm512_mul_pd, _mm512_mul_ps, _mm512_mulhi_epu16, _mm512_mullo_epi32, _mm512_or_si512, _mm512_permutex2var_epi32,
+        _mm512_permutex2var_ps, _mm512_permutexvar_ps, _mm512_set1_epi16, _mm512_set1_epi32, _mm512_set1_pd, _mm512_set1_ps, _mm512_setr_epi32,
+        _mm512_slli_epi32, _mm512_sqrt_ps, _mm512_srai_epi32, _mm512_srli_epi32, _mm512_storeu_ps, _mm512_storeu_si512, _mm512_sub_epi32, _mm512_sub_pd,
+        _mm512_sub_ps, _mm512_xor_si512,
     },
     ops::{Add, BitAnd, BitOr, BitXor, Mul, Sub},
 };
@@ -108,9 +109,17 @@ macro_rules! lanes {
 
 impl Lanes for Avx2 {
     const WIDTH: usize = 8;
+    const REACH: usize = 8;
+    const SPAN: usize = 4;
+    type Single = Self;
     type Floats = Vector<__m256>;
     type Words = Vector<__m256i>;
     type Doubles = Vector<[__m256d; 2]>;
+
+    #[inline(always)]
+    fn single(self) -> Self {
+        self
+    }
 
     lanes! {
         fn splat(self, value: f32) -> Self::Floats = Vector(_mm256_set1_ps(value));
@@ -135,39 +144,70 @@ impl Lanes for Avx2 {
         fn truncate(self, a: Self::Floats) -> Self::Words = Vector(_mm256_cvttps_epi32(a.0));
         fn convert(self, a: Self::Words) -> Self::Floats = Vector(_mm256_cvtepi32_ps(a.0));
         fn permute(self, from: &[f32], index: Self::Words) -> Self::Floats = Vector(_mm256_permutevar8x32_ps(self.load(from).0, index.0));
-        fn lookup8(self, table: &[f32; 8], index: Self::Words) -> Self::Floats = Vector(_mm256_permutevar8x32_ps(self.load(table).0, index.0));
+        fn permute_two(self, from: [&[f32]; 2], index: Self::Words) -> Self::Floats = {
+            let from = _mm256_loadu2_m128(from[1][..4].as_ptr(), from[0][..4].as_ptr());
+            Vector(_mm256_permutevar8x32_ps(from, index.0))
+        };
         fn lookup16(self, table: &[f32; 16], index: Self::Words) -> Self::Floats = {
             let (low, high) = (self.permute(&table[..8], index), self.permute(&table[8..], index));
             // The fourth bit, moved to the top, chooses.
             Vector(_mm256_blendv_ps(low.0, high.0, _mm256_castsi256_ps(self.shl::<28>(index).0)))
         };
-        fn twelfths(self, tables: &[[u8; 16]; 2], hash: Self::Words) -> [Self::Floats; 2] = {
+        fn sixteenths(self, tables: &[[f32; 16]; 2], hash: Self::Words) -> [Self::Floats; 2] = {
+            // Of each table the first eight; the top bit tells the negatives.
+            let (index, sign) = (_mm256_srli_epi32::<28>(hash.0), _mm256_castsi256_ps(_mm256_and_si256(hash.0, _mm256_set1_epi32(i32::MIN))));
+            let (first, second) = (_mm256_permutevar8x32_ps(self.load(&tables[0]).0, index), _mm256_permutevar8x32_ps(self.load(&tables[1]).0, index));
+            [Vector(_mm256_xor_ps(first, sign)), Vector(_mm256_xor_ps(second, sign))]
+        };
+        fn twelfths(self, tables: &[[f32; 16]; 2], bytes: &[[u8; 16]; 2], hash: Self::Words) -> [Self::Floats; 2] = {
             // The number stands in the top byte; the other bytes' top bits are set, which answers zero.
             let number = _mm256_slli_epi32::<8>(_mm256_mulhi_epu16(hash.0, _mm256_set1_epi16(12)));
             let number = _mm256_or_si256(number, _mm256_set1_epi32(0x0080_8080));
-            let first = _mm256_broadcastsi128_si256(_mm_loadu_si128(tables[0].as_ptr().cast()));
-            let second = _mm256_broadcastsi128_si256(_mm_loadu_si128(tables[1].as_ptr().cast()));
-            [Vector(_mm256_castsi256_ps(_mm256_shuffle_epi8(first, number))), Vector(_mm256_castsi256_ps(_mm256_shuffle_epi8(second, number)))]
+            let first = _mm256_broadcastsi128_si256(_mm_loadu_si128(bytes[0].as_ptr().cast()));
+            let second = _mm256_broadcastsi128_si256(_mm_loadu_si128(bytes[1].as_ptr().cast()));
+            let half = self.splat(tables[0][0] * 0.5);
+            let (first, second) = (_mm256_shuffle_epi8(first, number), _mm256_shuffle_epi8(second, number));
+            [Vector(_mm256_castsi256_ps(first)) * half, Vector(_mm256_castsi256_ps(second)) * half]
         };
-        fn floor(self, a: Self::Doubles) -> Self::Doubles = Vector([_mm256_floor_pd(a.0[0]), _mm256_floor_pd(a.0[1])]);
-        fn round(self, a: Self::Doubles) -> Self::Floats = Vector(_mm256_set_m128(_mm256_cvtpd_ps(a.0[1]), _mm256_cvtpd_ps(a.0[0])));
-        fn whole_words(self, a: Self::Doubles) -> [Self::Words; 2] = {
-            let [low, high] = (a + self.splat_doubles(WHOLE)).0;
-            let (low, high) = (_mm256_castpd_ps(low), _mm256_castpd_ps(high));
-            // Even and odd words, put in order: shuffling leaves the two halves' pairs alternating.
-            let even = _mm256_permute4x64_pd::<0b11_01_10_00>(_mm256_castps_pd(_mm256_shuffle_ps::<0b10_00_10_00>(low, high)));
-            let odd = _mm256_permute4x64_pd::<0b11_01_10_00>(_mm256_castps_pd(_mm256_shuffle_ps::<0b11_01_11_01>(low, high)));
-            let (even, odd) = (_mm256_castps_si256(_mm256_castpd_ps(even)), _mm256_castps_si256(_mm256_castpd_ps(odd)));
-            [Vector(even), Vector(odd) - self.splat_words(WHOLE_HIGH)]
+        fn low_words(self, a: Self::Doubles) -> Self::Words = {
+            // Shuffling leaves the two halves' pairs alternating.
+            let words = _mm256_shuffle_ps::<0b10_00_10_00>(_mm256_castpd_ps(a.0[0]), _mm256_castpd_ps(a.0[1]));
+            Vector(_mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_castps_si256(words)))
+        };
+        fn high_words(self, a: Self::Doubles) -> Self::Words = {
+            let words = _mm256_shuffle_ps::<0b11_01_11_01>(_mm256_castpd_ps(a.0[0]), _mm256_castpd_ps(a.0[1]));
+            Vector(_mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_castps_si256(words)))
+        };
+        fn least(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles = Vector([_mm256_min_pd(a.0[0], b.0[0]), _mm256_min_pd(a.0[1], b.0[1])]);
+        fn greatest(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles = Vector([_mm256_max_pd(a.0[0], b.0[0]), _mm256_max_pd(a.0[1], b.0[1])]);
+        fn ends(self, least: [Self::Doubles; 2], greatest: [Self::Doubles; 2]) -> [[f64; 2]; 2] = {
+            let [u, v] = [_mm256_min_pd(least[0].0[0], least[0].0[1]), _mm256_min_pd(least[1].0[0], least[1].0[1])];
+            let both = _mm256_min_pd(_mm256_unpacklo_pd(u, v), _mm256_unpackhi_pd(u, v));
+            let least = _mm_min_pd(_mm256_castpd256_pd128(both), _mm256_extractf128_pd::<1>(both));
+            let [u, v] = [_mm256_max_pd(greatest[0].0[0], greatest[0].0[1]), _mm256_max_pd(greatest[1].0[0], greatest[1].0[1])];
+            let both = _mm256_max_pd(_mm256_unpacklo_pd(u, v), _mm256_unpackhi_pd(u, v));
+            let greatest = _mm_max_pd(_mm256_castpd256_pd128(both), _mm256_extractf128_pd::<1>(both));
+            [
+                [_mm_cvtsd_f64(least), _mm_cvtsd_f64(_mm_unpackhi_pd(least, least))],
+                [_mm_cvtsd_f64(greatest), _mm_cvtsd_f64(_mm_unpackhi_pd(greatest, greatest))],
+            ]
         };
     }
 }
 
 impl Lanes for Avx512 {
     const WIDTH: usize = 16;
+    const REACH: usize = 16;
+    const SPAN: usize = 16;
+    type Single = Self;
     type Floats = Vector<__m512>;
     type Words = Vector<__m512i>;
     type Doubles = Vector<[__m512d; 2]>;
+
+    #[inline(always)]
+    fn single(self) -> Self {
+        self
+    }
 
     lanes! {
         fn splat(self, value: f32) -> Self::Floats = Vector(_mm512_set1_ps(value));
@@ -192,34 +232,36 @@ impl Lanes for Avx512 {
         fn truncate(self, a: Self::Floats) -> Self::Words = Vector(_mm512_cvttps_epi32(a.0));
         fn convert(self, a: Self::Words) -> Self::Floats = Vector(_mm512_cvtepi32_ps(a.0));
         fn permute(self, from: &[f32], index: Self::Words) -> Self::Floats = Vector(_mm512_permutexvar_ps(index.0, self.load(from).0));
-        fn lookup8(self, table: &[f32; 8], index: Self::Words) -> Self::Floats = {
-            // Twice the same eight, so that the fourth bit does not matter.
-            let table = _mm512_broadcast_f32x8(_mm256_loadu_ps(table.as_ptr()));
-            Vector(_mm512_permutexvar_ps(index.0, table))
-        };
+        fn permute_two(self, from: [&[f32]; 2], index: Self::Words) -> Self::Floats
+            = Vector(_mm512_permutex2var_ps(self.load(from[0]).0, index.0, self.load(from[1]).0));
         fn lookup16(self, table: &[f32; 16], index: Self::Words) -> Self::Floats = Vector(_mm512_permutexvar_ps(index.0, self.load(table).0));
-        fn twelfths(self, tables: &[[u8; 16]; 2], hash: Self::Words) -> [Self::Floats; 2] = {
-            // The number stands in the top byte; the other bytes' top bits are set, which answers zero.
-            let number = _mm512_slli_epi32::<8>(_mm512_mulhi_epu16(hash.0, _mm512_set1_epi16(12)));
-            let number = _mm512_or_si512(number, _mm512_set1_epi32(0x0080_8080));
-            let first = _mm512_broadcast_i32x4(_mm_loadu_si128(tables[0].as_ptr().cast()));
-            let second = _mm512_broadcast_i32x4(_mm_loadu_si128(tables[1].as_ptr().cast()));
-            [Vector(_mm512_castsi512_ps(_mm512_shuffle_epi8(first, number))), Vector(_mm512_castsi512_ps(_mm512_shuffle_epi8(second, number)))]
+        fn sixteenths(self, tables: &[[f32; 16]; 2], hash: Self::Words) -> [Self::Floats; 2] = {
+            let index = Vector(_mm512_srli_epi32::<28>(hash.0));
+            [self.permute(&tables[0], index), self.permute(&tables[1], index)]
         };
-        fn floor(self, a: Self::Doubles) -> Self::Doubles = Vector([
-            _mm512_roundscale_pd::<_MM_FROUND_TO_NEG_INF>(a.0[0]),
-            _mm512_roundscale_pd::<_MM_FROUND_TO_NEG_INF>(a.0[1]),
-        ]);
-        fn round(self, a: Self::Doubles) -> Self::Floats = {
-            let (low, high) = (_mm512_castps256_ps512(_mm512_cvtpd_ps(a.0[0])), _mm512_cvtpd_ps(a.0[1]));
-            Vector(_mm512_insertf32x8::<1>(low, high))
+        fn twelfths(self, tables: &[[f32; 16]; 2], _bytes: &[[u8; 16]; 2], hash: Self::Words) -> [Self::Floats; 2] = {
+            let index = self.shr::<16>(Vector(_mm512_mulhi_epu16(hash.0, _mm512_set1_epi16(12))));
+            [self.permute(&tables[0], index), self.permute(&tables[1], index)]
         };
-        fn whole_words(self, a: Self::Doubles) -> [Self::Words; 2] = {
-            let [low, high] = (a + self.splat_doubles(WHOLE)).0;
-            let (low, high) = (_mm512_castpd_si512(low), _mm512_castpd_si512(high));
+        fn low_words(self, a: Self::Doubles) -> Self::Words = {
             let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-            let odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
-            [Vector(_mm512_permutex2var_epi32(low, even, high)), Vector(_mm512_permutex2var_epi32(low, odd, high)) - self.splat_words(WHOLE_HIGH)]
+            Vector(_mm512_permutex2var_epi32(_mm512_castpd_si512(a.0[0]), even, _mm512_castpd_si512(a.0[1])))
+        };
+        fn high_words(self, a: Self::Doubles) -> Self::Words = {
+            let odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+            Vector(_mm512_permutex2var_epi32(_mm512_castpd_si512(a.0[0]), odd, _mm512_castpd_si512(a.0[1])))
+        };
+        fn least(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles = Vector([_mm512_min_pd(a.0[0], b.0[0]), _mm512_min_pd(a.0[1], b.0[1])]);
+        fn greatest(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles = Vector([_mm512_max_pd(a.0[0], b.0[0]), _mm512_max_pd(a.0[1], b.0[1])]);
+        fn ends(self, least: [Self::Doubles; 2], greatest: [Self::Doubles; 2]) -> [[f64; 2]; 2] = {
+            let [u, v] = [_mm512_min_pd(least[0].0[0], least[0].0[1]), _mm512_min_pd(least[1].0[0], least[1].0[1])];
+            let u = Vector([_mm512_castpd512_pd256(u), _mm512_extractf64x4_pd::<1>(u)]);
+            let v = Vector([_mm512_castpd512_pd256(v), _mm512_extractf64x4_pd::<1>(v)]);
+            let least = [u, v];
+            let [u, v] = [_mm512_max_pd(greatest[0].0[0], greatest[0].0[1]), _mm512_max_pd(greatest[1].0[0], greatest[1].0[1])];
+            let u = Vector([_mm512_castpd512_pd256(u), _mm512_extractf64x4_pd::<1>(u)]);
+            let v = Vector([_mm512_castpd512_pd256(v), _mm512_extractf64x4_pd::<1>(v)]);
+            Avx2(()).ends(least, [u, v])
         };
     }
 }
