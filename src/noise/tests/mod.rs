@@ -71,6 +71,23 @@ fn general_positions_equal_points_bit_for_bit() {
     }
 }
 
+/// Smooth lines of positions, whose vectors share cells or do not, in blocks and what is left of one, also where the words of cells' numbers change.
+#[test]
+fn warped_positions_equal_points_bit_for_bit() {
+    const ORIGINS: [f64; 5] = [0.0, 4_294_967_291.0, -4_294_967_299.0, 68_719_476_731.0, 5e13];
+    let gradient = [Basis::OPerlin, Basis::IPerlin, Basis::Blender];
+    for (shape, basis) in [SHAPES[0], SHAPES[1], SHAPES[2]].into_iter().flat_map(|shape| gradient.map(|basis| (shape, basis))) {
+        let field = Field::exact(shape, basis, 7);
+        for (origin, wavelength) in ORIGINS.into_iter().flat_map(|origin| [300.0, 40.0, 9.0, 3.7, 0.9, 0.3].map(|wavelength| (origin, wavelength))) {
+            let line = |i: f64| (i - 70.0 + 6.0 * (i / 40.0).sin(), 8.0 * (i / 31.0).cos());
+            let positions = (0..300).map(|i| line(f64::from(i))).map(|(u, v)| (origin + u / wavelength, v / wavelength - origin));
+            let (us, vs): (Vec<f64>, Vec<f64>) = positions.unzip();
+            check_points(&field, &us, &vs);
+            check_points(&field, &vs, &us);
+        }
+    }
+}
+
 #[test]
 fn places_that_are_none_have_values_too() {
     const STRANGE: [f64; 14] = [
