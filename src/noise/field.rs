@@ -63,7 +63,7 @@ impl Field {
         Self::new(shape, basis, key, spacing, |frequency| carried(1.0 / frequency, spacing))
     }
 
-    fn new(shape: FieldShape, basis: Basis, key: u64, spacing: f64, carried: impl Fn(f64) -> f64) -> Self {
+    pub(super) fn new(shape: FieldShape, basis: Basis, key: u64, spacing: f64, carried: impl Fn(f64) -> f64) -> Self {
         let (count, frequency_ratio, weight_ratio) = shape.progression();
         let (mut frequency, mut weight) = (1.0_f64, 1.0_f64);
         let mut parts = Vec::with_capacity(shape.octaves());

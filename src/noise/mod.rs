@@ -8,6 +8,7 @@ mod basis;
 mod bounds;
 mod cells;
 mod cellular;
+mod draws;
 pub mod elementary;
 mod field;
 mod fractal;
@@ -36,6 +37,7 @@ mod x86;
 
 pub use basis::Basis;
 pub use cellular::{Feature, Metric};
+pub(crate) use draws::{Draws, SIDE, wave_draws};
 pub use field::Field;
 pub use hash::{key, mix};
 pub use isa::{Isa, Kernel};

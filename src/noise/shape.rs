@@ -106,6 +106,15 @@ impl FieldShape {
         self.progression().1
     }
 
+    /// The side of the cells of the finest octave that counts for at least a part of the first one, in programme units.
+    #[must_use]
+    pub fn finest_cell(self, part: f64) -> f64 {
+        let (count, frequency_ratio, weight_ratio) = self.progression();
+        let share = |k: usize| libm::pow(weight_ratio, k as f64) * (count - k as f64).min(1.0);
+        let finest = (0..self.octaves()).rev().find(|&k| k == 0 || share(k) >= part).unwrap_or(0);
+        libm::pow(frequency_ratio, -(finest as f64))
+    }
+
     /// Number of octaves, whole or begun.
     #[must_use]
     pub fn octaves(self) -> usize {

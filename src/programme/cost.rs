@@ -1,9 +1,9 @@
 //! What a programme costs to evaluate, predicted so that every machine accepts the same worlds.
 
 use super::{
-    bounds,
     graph::{Noise, Step},
     operation::{Binary, Unary},
+    sampling,
     tape::{Instruction, Tape},
 };
 use crate::{
@@ -21,12 +21,20 @@ impl Tape {
     #[must_use]
     pub fn cost_ns(&self, spacing: f64, filter: Filter) -> f64 {
         let carried = if filter == Filter::Band { spacing } else { 0.0 };
-        let subsamples = bounds::subsamples(&self.graph, &bounds::fields(&self.graph, 0, carried), carried);
-        BLOCK_NS + (subsamples * subsamples) as f64 * self.samples_ns(spacing, filter)
+        match self.subsamples(carried) {
+            1 => BLOCK_NS + self.samples_ns(spacing, 1, filter),
+            n => self.parts_ns(spacing, n),
+        }
     }
 
-    fn samples_ns(&self, spacing: f64, filter: Filter) -> f64 {
-        self.samples.iter().map(|instruction| self.instruction_ns(instruction, spacing, filter)).sum()
+    /// The predicted cost of a sample that is the mean of n × n parts.
+    pub(super) fn parts_ns(&self, spacing: f64, n: usize) -> f64 {
+        BLOCK_NS + (n * n) as f64 * self.samples_ns(spacing, n, Filter::Band)
+    }
+
+    /// What one of a sample's n × n parts costs.
+    fn samples_ns(&self, spacing: f64, n: usize, filter: Filter) -> f64 {
+        self.samples.iter().map(|instruction| self.instruction_ns(instruction, spacing, n, filter)).sum()
     }
 
     /// The greatest predicted cost of a sample in nanoseconds at any spacing, with nothing but octaves of noise that are finer than the samples.
@@ -41,28 +49,28 @@ impl Tape {
         band.max(self.cost_ns(finest / 2.0, Filter::Exact))
     }
 
-    fn instruction_ns(&self, instruction: &Instruction, spacing: f64, filter: Filter) -> f64 {
-        let noise = |noise: usize, way: Way| octaves_ns(&self.graph.noises[noise], way, spacing, filter);
+    fn instruction_ns(&self, instruction: &Instruction, spacing: f64, n: usize, filter: Filter) -> f64 {
+        let noise = |noise: usize, way: Way| octaves_ns(&self.graph.noises[noise], way, sampling::detail(spacing, n), filter);
         match *instruction {
             Instruction::Move { .. } | Instruction::Shift { .. } => 0.6,
             Instruction::Rows { rows, .. } => noise(self.noise_rows[rows].0, Way::Rows),
             Instruction::Noise { noise: of, .. } => noise(of, Way::Points),
             Instruction::Slopes { noise: of, .. } => SLOPES * noise(of, Way::Points),
-            Instruction::Erosion { erosion, .. } => self.erosion_ns(erosion, spacing, filter),
+            Instruction::Erosion { erosion, .. } => self.erosion_ns(erosion, spacing, n, filter),
             Instruction::Step { step, .. } => step_ns(step),
         }
     }
 
     /// Links for every sample, and nodes shared by the samples of a cell.
-    fn erosion_ns(&self, erosion: usize, spacing: f64, filter: Filter) -> f64 {
-        let mut terrain = self.terrains[erosion].samples_ns(1.0, Filter::Exact);
+    fn erosion_ns(&self, erosion: usize, spacing: f64, n: usize, filter: Filter) -> f64 {
+        let mut terrain = self.terrains[erosion].samples_ns(1.0, 1, Filter::Exact);
         let mut sum = 0.0;
         for (pitch, candidates) in self.graph.erosions[erosion].erosion.pitches() {
             if filter == Filter::Band && pitch <= 2.0 * spacing {
                 break;
             }
             // A sample has no more nodes than those around it alone.
-            let nodes = (spacing / pitch) * (spacing / pitch);
+            let nodes = (spacing / pitch / n as f64) * (spacing / pitch / n as f64);
             sum += LINKS_NS + nodes.min(400.0) * (NODE_NS + candidates * terrain);
             terrain += LINKS_NS;
         }

@@ -4,6 +4,8 @@ use super::{
     Frame, bounds,
     graph::{Axis, Eroded, Graph, Step},
     kernels::{self, Input},
+    operation::Unary,
+    sampling::{self, Drawn, Wave},
     shape::{Filtered, Write},
     tape::{Instruction, Points, Slot, Tape},
 };
@@ -21,17 +23,29 @@ pub(super) struct Prepared {
     pub shapes: Vec<Filtered>,
     /// Samples a side that every sample of the window is the mean of.
     pub subsamples: usize,
+    /// What stands for the detail of each noise in the parts of samples.
+    pub draws: Vec<Option<Drawn>>,
+    /// The waves that a sine or cosine of each step makes, where they fade.
+    pub waves: Vec<Option<Wave>>,
     /// Distance of the samples in programme units; 0 for the programme as it is.
     pub spacing: f64,
 }
 
 impl Prepared {
-    pub(super) fn new(graph: &Graph, frame: &Frame, spacing: f64, filter: Filter) -> Self {
-        let spacing = if filter == Filter::Band { spacing / frame.scale } else { 0.0 };
-        let fields = bounds::fields(graph, frame.seed, spacing);
-        let shapes = graph.shapes.iter().map(|shape| shape.filtered(spacing)).collect();
-        let subsamples = bounds::subsamples(graph, &fields, spacing);
-        Self { fields, shapes, subsamples, spacing }
+    /// For samples `spacing` programme units apart, each the mean of `subsamples` × `subsamples` parts.
+    pub(super) fn new(graph: &Graph, frame: &Frame, spacing: f64, subsamples: usize) -> Self {
+        let part = spacing / subsamples as f64;
+        let detail = sampling::detail(spacing, subsamples);
+        let fields = bounds::fields(graph, frame.seed, detail);
+        let shapes = graph.shapes.iter().map(|shape| shape.filtered(part)).collect();
+        let draws = sampling::draws(graph, subsamples, detail);
+        let waves = sampling::waves(graph, subsamples, detail);
+        Self { fields, shapes, subsamples, draws, waves, spacing }
+    }
+
+    /// The programme as it is.
+    pub(super) fn exact(graph: &Graph, frame: &Frame) -> Self {
+        Self::new(graph, frame, 0.0, 1)
     }
 }
 
@@ -62,6 +76,8 @@ pub(super) struct Evaluation<'a> {
     registers: Vec<Vec<f32>>,
     positions: Vec<Positions>,
     erosions: Vec<Eroding<'a>>,
+    /// Which row of parts of a sample is evaluated.
+    part_row: usize,
     non_finite: u64,
 }
 
@@ -81,10 +97,23 @@ impl Terrain for Evaluation<'_> {
     }
 }
 
+impl Tape {
+    /// The mean slope of the coarsest network of every erosion, for a seed of 0: what stands for valleys that are too far away to be seen at all.
+    pub(super) fn network_slopes(&self) -> &[f32] {
+        const FRAME: Frame = Frame { seed: 0, scale: 1.0, origin: [0.0; 2] };
+        let slope = |(eroded, terrain): (&Eroded, &Tape)| {
+            let isa = Isa::active();
+            Valleys::mean_slope(isa, &eroded.erosion, eroded.lattices.key(FRAME.seed), &mut Evaluation::anywhere(isa, terrain, &FRAME))
+        };
+        self.network_slopes.get_or_init(|| self.graph.erosions.iter().zip(&self.terrains).map(slope).collect())
+    }
+}
+
 impl<'a> Evaluation<'a> {
     pub(super) fn new(isa: Isa, tape: &'a Tape, frame: &'a Frame, window: &Window) -> Self {
-        let prepared = Prepared::new(&tape.graph, frame, window.spacing(), window.filter);
-        let n = prepared.subsamples;
+        let spacing = if window.filter == Filter::Band { window.spacing() / frame.scale } else { 0.0 };
+        let n = tape.subsamples(spacing);
+        let prepared = Prepared::new(&tape.graph, frame, spacing, n);
         let sub = offsets(n, window.spacing());
         let columns: Vec<f64> =
             window.columns.coordinates().flat_map(|x| sub.clone().map(move |d| x + d)).map(|x| (x - frame.origin[0]) / frame.scale).collect();
@@ -95,7 +124,7 @@ impl<'a> Evaluation<'a> {
 
     /// For positions that are given, of the programme as it is.
     fn anywhere(isa: Isa, tape: &'a Tape, frame: &'a Frame) -> Self {
-        let prepared = Prepared::new(&tape.graph, frame, 1.0, Filter::Exact);
+        let prepared = Prepared::exact(&tape.graph, frame);
         let mut evaluation = Self::prepared(isa, tape, frame, prepared, &[]);
         evaluation.once(1, 1);
         evaluation
@@ -104,11 +133,12 @@ impl<'a> Evaluation<'a> {
     fn prepared(isa: Isa, tape: &'a Tape, frame: &'a Frame, prepared: Prepared, columns: &[f64]) -> Self {
         let grids: Vec<Vec<f64>> = tape.grids.iter().map(|[du, _]| columns.iter().map(|u| u + du).collect()).collect();
         let noise_rows = tape.noise_rows.iter().map(|&(noise, grid)| prepared.fields[noise].rows_on(isa, &grids[grid])).collect();
-        let eroding = |(eroded, terrain): (&Eroded, &'a Tape)| {
-            let valleys = Valleys::new(isa, &eroded.erosion, eroded.lattices.key(frame.seed), prepared.spacing);
+        let eroding = |(number, (eroded, terrain)): (usize, (&Eroded, &'a Tape))| {
+            let mean_slope = if Valleys::needs_mean(&eroded.erosion, prepared.spacing) { tape.network_slopes()[number] } else { 0.0 };
+            let valleys = Valleys::new(isa, &eroded.erosion, eroded.lattices.key(frame.seed), prepared.spacing, mean_slope);
             Eroding { valleys, terrain: Self::anywhere(isa, terrain, frame) }
         };
-        let erosions = tape.graph.erosions.iter().zip(&tape.terrains).map(eroding).collect();
+        let erosions = tape.graph.erosions.iter().zip(&tape.terrains).enumerate().map(eroding).collect();
         Self {
             isa,
             tape,
@@ -121,6 +151,7 @@ impl<'a> Evaluation<'a> {
             registers: vec![vec![0.0; BLOCK]; tape.register_count],
             positions: vec![Positions { u: vec![0.0; BLOCK], v: vec![0.0; BLOCK] }; tape.position_count],
             erosions,
+            part_row: 0,
             non_finite: 0,
         }
     }
@@ -149,7 +180,8 @@ impl<'a> Evaluation<'a> {
                 continue;
             }
             row.fill(0.0);
-            for d in offsets(n, window.spacing()) {
+            for (part_row, d) in offsets(n, window.spacing()).enumerate() {
+                self.part_row = part_row;
                 self.row(y + d, &mut fine);
                 for (mean, fine) in row.iter_mut().zip(fine.chunks(n)) {
                     for value in fine {
@@ -193,7 +225,7 @@ impl<'a> Evaluation<'a> {
         let operands = operands.map(|slot| if let Slot::Scalar(slot) = slot { self.scalars[slot] } else { 0.0 });
         // What depends on v alone is the same at every u.
         let v = v + if let Some(Points::Grid(grid)) = at { self.tape.grids[grid][1] } else { 0.0 };
-        let value = kernels::value(step, operands, [0.0, v], &self.prepared);
+        let value = kernels::value(step, operands, [0.0, v], 0, &self.prepared);
         self.scalars[to] = if value.is_finite() { value } else { 0.0 };
         u64::from(!value.is_finite())
     }
@@ -212,11 +244,13 @@ impl<'a> Evaluation<'a> {
             Instruction::Rows { to, rows } => {
                 let out = &mut self.registers[to][..count];
                 self.noise_rows[rows].fill(start, out);
+                kernels::draw(self.isa, self.prepared.draws[self.tape.noise_rows[rows].0].as_ref(), self.part_row, out);
                 kernels::keep_finite(self.isa, out)
             }
             Instruction::Noise { to, noise, at } => {
                 let (out, at) = (&mut self.registers[to][..count], &self.positions[at]);
                 self.prepared.fields[noise].points(self.isa, &at.u[..count], &at.v[..count], out);
+                kernels::draw(self.isa, self.prepared.draws[noise].as_ref(), self.part_row, out);
                 kernels::keep_finite(self.isa, out)
             }
             Instruction::Slopes { to: [to_u, to_v], noise, at } => {
@@ -317,7 +351,13 @@ impl<'a> Evaluation<'a> {
                 let shape = self.prepared.shapes[shape];
                 places.write(out, |u, v| shape.slope(axis, u, v))
             }
-            Step::Unary(operation, _) => kernels::unary(self.isa, operation, input(0), out),
+            Step::Unary(operation, a) => {
+                let non_finite = kernels::unary(self.isa, operation, input(0), out);
+                if let (Unary::Sin | Unary::Cos, Some(wave)) = (operation, &self.prepared.waves[a]) {
+                    kernels::fade(self.isa, wave, self.part_row, out);
+                }
+                non_finite
+            }
             Step::Binary(operation, ..) => kernels::binary(self.isa, operation, input(0), input(1), out),
             Step::Select(..) => kernels::select(self.isa, [input(0), input(1), input(2)], out),
             Step::Terrace(terrace, _) => kernels::map(self.isa, input(0), out, |h| terrace.apply(h)),

@@ -4,8 +4,9 @@ use super::{
     evaluate::Prepared,
     graph::{Axis, Step},
     operation::{Binary, Unary},
+    sampling::{Drawn, Wave},
 };
-use crate::noise::{Isa, Kernel, Lanes, elementary};
+use crate::noise::{Isa, Kernel, Lanes, SIDE, elementary};
 
 /// An operand of a block: one number for all samples, or one a sample.
 #[derive(Clone, Copy, Debug)]
@@ -14,17 +15,24 @@ pub(super) enum Input<'a> {
     Samples(&'a [f32]),
 }
 
-/// The value of a step at a point, from the values of its operands: the meaning that the blocks are held to. Erosion is found elsewhere.
-pub(super) fn value(step: Step, [a, b, c]: [f32; 3], [u, v]: [f64; 2], prepared: &Prepared) -> f32 {
+/// The value of a step at a point, in a part of a sample, from the values of its operands: the meaning that the blocks are held to. Erosion is found elsewhere.
+pub(super) fn value(step: Step, [a, b, c]: [f32; 3], [u, v]: [f64; 2], part: usize, prepared: &Prepared) -> f32 {
     match step {
         Step::Number(bits) => f32::from_bits(bits),
         Step::Coordinate(Axis::U, _) => u as f32,
         Step::Coordinate(Axis::V, _) => v as f32,
         Step::Shape(shape, _) => prepared.shapes[shape].at(u, v),
         Step::ShapeSlope(shape, axis, _) => prepared.shapes[shape].slope(axis, u, v),
-        Step::Noise(noise, _) => prepared.fields[noise].at(u, v),
+        Step::Noise(noise, _) => {
+            let value = prepared.fields[noise].at(u, v);
+            prepared.draws[noise].as_ref().map_or(value, |drawn| drawn.apply(value, part))
+        }
         Step::NoiseSlope(noise, axis, _) => prepared.fields[noise].slopes_at(u, v)[axis as usize],
         Step::Erosion(..) => a,
+        Step::Unary(operation @ (Unary::Sin | Unary::Cos), of) => {
+            let value = operation.apply(a);
+            prepared.waves[of].as_ref().map_or(value, |wave| wave.apply(value, part))
+        }
         Step::Unary(operation, _) => operation.apply(a),
         Step::Binary(operation, ..) => operation.apply(a, b),
         Step::Select(..) => chosen(a, b, c),
@@ -65,6 +73,38 @@ impl Kernel for KeepFinite<'_> {
             *value = finite(*value, &mut count);
         }
         count.into()
+    }
+}
+
+/// Adds what stands for a noise's detail to its values in a row of the parts of samples.
+pub(super) fn draw(isa: Isa, drawn: Option<&Drawn>, part_row: usize, values: &mut [f32]) {
+    if let Some(drawn) = drawn {
+        isa.run(InParts { part_row, values, function: |value, part| drawn.apply(value, part) });
+    }
+}
+
+/// Fades the values of a wave in a row of the parts of samples.
+pub(super) fn fade(isa: Isa, wave: &Wave, part_row: usize, values: &mut [f32]) {
+    isa.run(InParts { part_row, values, function: |value, part| wave.apply(value, part) });
+}
+
+struct InParts<'a, F> {
+    part_row: usize,
+    values: &'a mut [f32],
+    function: F,
+}
+
+impl<F: Fn(f32, usize) -> f32> Kernel for InParts<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        let Self { part_row, values, function } = self;
+        for sample in values.chunks_mut(SIDE) {
+            for (column, value) in sample.iter_mut().enumerate() {
+                *value = function(*value, part_row * SIDE + column);
+            }
+        }
     }
 }
 

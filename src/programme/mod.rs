@@ -30,6 +30,7 @@ mod precision;
 mod print;
 mod reference;
 mod resolve;
+mod sampling;
 mod shape;
 mod simplify;
 #[cfg(test)]
@@ -38,6 +39,7 @@ mod syntax;
 mod tape;
 mod terrace;
 mod text;
+mod waves;
 
 pub use cost::COST_LIMIT_NS;
 pub use error::ParseError;

@@ -6,6 +6,7 @@ use super::{
     graph::{Eroded, Graph, HERE, Id, Place, PlaceId, Step},
     kernels,
     node::Node,
+    tape::Tape,
 };
 use crate::{
     geometry::Filter,
@@ -26,7 +27,7 @@ pub struct Reference {
 impl Terrain for Reference {
     fn heights(&mut self, us: &[f64], vs: &[f64], out: &mut [f32]) {
         for (out, (&u, &v)) in out.iter_mut().zip(us.iter().zip(vs)) {
-            *out = self.value([u, v]);
+            *out = self.value([u, v], 0);
         }
     }
 }
@@ -38,21 +39,23 @@ impl Reference {
     /// If the node does not come from a [`super::Programme`], which has checked its size.
     #[must_use]
     pub fn new(root: &Node, frame: &Frame, spacing: f64, filter: Filter) -> Self {
-        let plain = |root| Graph::plain(root).ok().zip(Graph::simplified(root).ok());
-        let (graph, simplified) = plain(root).expect("a programme's size was checked when it was parsed");
-        let mut prepared = Prepared::new(&graph, frame, spacing, filter);
-        prepared.subsamples = Prepared::new(&simplified, frame, spacing, filter).subsamples;
-        Self::prepared(graph, frame, prepared, spacing)
+        let plain = |root| Graph::plain(root).ok().zip(Tape::try_compile(root).ok());
+        let (graph, tape) = plain(root).expect("a programme's size was checked when it was parsed");
+        let units = if filter == Filter::Band { spacing / frame.scale } else { 0.0 };
+        let prepared = Prepared::new(&graph, frame, units, tape.subsamples(units));
+        Self::prepared(graph, frame, prepared, spacing, &tape)
     }
 
-    fn prepared(graph: Graph, frame: &Frame, prepared: Prepared, spacing: f64) -> Self {
-        let eroding = |eroded: &Eroded| {
-            let valleys = Valleys::new(Isa::Baseline, &eroded.erosion, eroded.lattices.key(frame.seed), prepared.spacing);
+    fn prepared(graph: Graph, frame: &Frame, prepared: Prepared, spacing: f64, tape: &Tape) -> Self {
+        let eroding = |(number, eroded): (usize, &Eroded)| {
+            let needed = Valleys::needs_mean(&eroded.erosion, prepared.spacing);
+            let mean_slope = if needed { tape.network_slopes()[number] } else { 0.0 };
+            let valleys = Valleys::new(Isa::Baseline, &eroded.erosion, eroded.lattices.key(frame.seed), prepared.spacing, mean_slope);
             let terrain = Graph::clone(&eroded.terrain);
-            let exact = Prepared::new(&terrain, frame, 1.0, Filter::Exact);
-            RefCell::new((valleys, Self::prepared(terrain, frame, exact, 1.0)))
+            let exact = Prepared::exact(&terrain, frame);
+            RefCell::new((valleys, Self::prepared(terrain, frame, exact, 1.0, tape)))
         };
-        let erosions = graph.erosions.iter().map(eroding).collect();
+        let erosions = graph.erosions.iter().enumerate().map(eroding).collect();
         Self { order: graph.reachable(graph.root), graph, frame: *frame, prepared, spacing, erosions }
     }
 
@@ -61,22 +64,22 @@ impl Reference {
     pub fn at(&self, x: f64, y: f64) -> f32 {
         let n = self.prepared.subsamples;
         if n == 1 {
-            return self.sample(x, y);
+            return self.sample(x, y, 0);
         }
         let mut sum = 0.0;
-        for dy in offsets(n, self.spacing) {
-            for dx in offsets(n, self.spacing) {
-                sum += self.sample(x + dx, y + dy);
+        for (row, dy) in offsets(n, self.spacing).enumerate() {
+            for (column, dx) in offsets(n, self.spacing).enumerate() {
+                sum += self.sample(x + dx, y + dy, row * n + column);
             }
         }
         sum * (1.0 / (n * n) as f32)
     }
 
-    fn sample(&self, x: f64, y: f64) -> f32 {
-        self.value([(x - self.frame.origin[0]) / self.frame.scale, (y - self.frame.origin[1]) / self.frame.scale])
+    fn sample(&self, x: f64, y: f64, part: usize) -> f32 {
+        self.value([(x - self.frame.origin[0]) / self.frame.scale, (y - self.frame.origin[1]) / self.frame.scale], part)
     }
 
-    fn value(&self, here: [f64; 2]) -> f32 {
+    fn value(&self, here: [f64; 2], part: usize) -> f32 {
         let mut values = vec![0.0_f32; self.graph.steps.len()];
         for &id in &self.order {
             let step = self.graph.steps[id];
@@ -85,7 +88,7 @@ impl Reference {
             for (value, operand) in operands.iter_mut().zip(step.operands()) {
                 *value = values[operand];
             }
-            let mut value = kernels::value(step, operands, at, &self.prepared);
+            let mut value = kernels::value(step, operands, at, part, &self.prepared);
             if let Step::Erosion(erosion, ..) = step {
                 let (valleys, terrain) = &mut *self.erosions[erosion].borrow_mut();
                 valleys.carve(terrain, &at[..1], &at[1..], std::slice::from_mut(&mut value));

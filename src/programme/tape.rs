@@ -5,9 +5,10 @@ use super::{
     evaluate::Evaluation,
     graph::{Axis, Graph, Id, Place, PlaceId, Step, TooLarge},
     node::Node,
+    operation::Unary,
 };
 use crate::{geometry::Window, noise::Isa};
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::OnceLock};
 
 /// What a value depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,6 +99,8 @@ pub struct Tape {
     pub(super) root: Slot,
     /// What is eroded, for positions that are given.
     pub(super) terrains: Vec<Tape>,
+    /// [`Tape::network_slopes`], once they are asked for.
+    pub(super) network_slopes: OnceLock<Vec<f32>>,
 }
 
 impl Tape {
@@ -178,6 +181,7 @@ impl Compiler {
             register_count: 0,
             position_count: usize::from(samples == Samples::Anywhere),
             terrains,
+            network_slopes: OnceLock::new(),
             root: Slot::Scalar(0),
             graph,
         };
@@ -219,6 +223,8 @@ impl Compiler {
             Step::Coordinate(axis, place) if on_grid(place) => along(Some(axis)),
             Step::Shape(shape, place) if on_grid(place) => along(graph.shapes[shape].axis()),
             step if step.place().is_some() => Class::Sample,
+            // Seen from afar, it has a value of its own in every part of a sample.
+            Step::Unary(Unary::Sin | Unary::Cos, a) if self.classes[a] != Class::Number => Class::Sample,
             step => step.operands().fold(Class::Number, |class, operand| class.and(self.classes[operand])),
         }
     }

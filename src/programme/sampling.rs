@@ -1,0 +1,122 @@
+//! How finely a programme is sampled: the parts that every sample is the mean of, and what stands for the detail that they cannot carry.
+
+use super::{
+    bounds,
+    cost::COST_LIMIT_NS,
+    graph::{Graph, Step},
+    tape::Tape,
+    waves,
+};
+use crate::noise::{self, Draws, Field, SIDE};
+
+/// Values that are added to a noise, a part of a sample each, and the range that it stays in.
+#[derive(Clone, Debug)]
+pub(super) struct Drawn {
+    pub values: Draws,
+    pub range: [f32; 2],
+}
+
+impl Drawn {
+    /// A noise's value in a part of a sample.
+    #[inline(always)]
+    pub(super) fn apply(&self, value: f32, part: usize) -> f32 {
+        let sum = value + self.values[part];
+        let low = if sum < self.range[0] { self.range[0] } else { sum };
+        if low > self.range[1] { self.range[1] } else { low }
+    }
+}
+
+/// A wave in the parts of samples: how much of it they carry, and what stands for the rest.
+#[derive(Clone, Debug)]
+pub(super) struct Wave {
+    carried: f32,
+    drawn: Drawn,
+}
+
+impl Wave {
+    /// A sine or cosine in a part of a sample.
+    #[inline(always)]
+    pub(super) fn apply(&self, value: f32, part: usize) -> f32 {
+        self.drawn.apply(value * self.carried, part)
+    }
+}
+
+/// The lengths of the programme's waves, each once.
+fn wave_lengths(graph: &Graph, lengths: &[Option<f64>]) -> Vec<f64> {
+    let mut all: Vec<f64> = waves::arguments(graph).filter_map(|argument| lengths[argument]).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
+}
+
+/// The waves that sines and cosines of each step make and that parts of samples, `spacing` programme units apart, do not carry whole.
+pub(super) fn waves(graph: &Graph, subsamples: usize, spacing: f64) -> Vec<Option<Wave>> {
+    if subsamples != SIDE {
+        return vec![None; graph.steps.len()];
+    }
+    let lengths = waves::lengths(graph);
+    let all = wave_lengths(graph, &lengths);
+    let wave = |length: Option<f64>| {
+        let (carried, values) = noise::wave_draws(length?, spacing, all.iter().position(|&other| Some(other) == length)?)?;
+        Some(Wave { carried, drawn: Drawn { values, range: [-1.0, 1.0] } })
+    };
+    lengths.into_iter().map(wave).collect()
+}
+
+/// What stands for the detail of every noise in the parts of samples, those parts being `spacing` programme units apart; nothing for a spacing of 0.
+pub(super) fn draws(graph: &Graph, subsamples: usize, spacing: f64) -> Vec<Option<Drawn>> {
+    if subsamples != SIDE {
+        return vec![None; graph.noises.len()];
+    }
+    let first = wave_lengths(graph, &waves::lengths(graph)).len();
+    // Octaves of one lattice swing together, whatever they are part of.
+    let mut lattices = Vec::new();
+    for noise in &graph.noises {
+        if !lattices.contains(&(noise.lattices, noise.part)) {
+            lattices.push((noise.lattices, noise.part));
+        }
+    }
+    let drawn = |noise: &super::graph::Noise| {
+        let number = lattices.iter().position(|&lattice| lattice == (noise.lattices, noise.part))?;
+        let values = Field::draws(noise.shape, noise.basis, spacing, |octave| first + number + octave * lattices.len())?;
+        Some(Drawn { values, range: Field::exact(noise.shape, noise.basis, 0).range() })
+    };
+    graph.noises.iter().map(drawn).collect()
+}
+
+/// An octave matters that counts for this part of its noise's first.
+const MATTERS: f64 = 0.125;
+
+/// The spacing that noises and waves are filtered for, in programme units, of samples of a spacing that are cut into parts.
+///
+/// What a part alone could not carry is carried by sixteen: octaves fade from two parts a cell on, to be gone at one.
+pub(super) fn detail(spacing: f64, subsamples: usize) -> f64 {
+    let part = spacing / subsamples as f64;
+    if subsamples == SIDE { part / 2.0 } else { part }
+}
+
+/// Parts a side that a sample is better cut into for its noises and waves to fade unseen: so many that those that matter are carried whole, as far as that many help.
+fn fading(graph: &Graph, spacing: f64) -> usize {
+    let noises = graph.reachable(graph.root).into_iter().filter_map(|id| if let Step::Noise(noise, _) = graph.steps[id] { Some(noise) } else { None });
+    let finest = noises.map(|noise| graph.noises[noise].shape.finest_cell(MATTERS)).fold(f64::INFINITY, f64::min);
+    let shortest = wave_lengths(graph, &waves::lengths(graph)).first().copied().unwrap_or(f64::INFINITY);
+    match 4.0 * spacing / finest.min(shortest) {
+        parts if parts <= 1.0 => 1,
+        parts if parts <= 2.0 => 2,
+        _ => SIDE,
+    }
+}
+
+impl Tape {
+    /// Parts a side that every sample is the mean of, 1, 2 or 4, for samples `spacing` programme units apart; 1 for a spacing of 0.
+    ///
+    /// As many as functions need that turn quickly; and where octaves fade that matter, as many as can be paid for.
+    pub(super) fn subsamples(&self, spacing: f64) -> usize {
+        let needed = bounds::subsamples(&self.graph, &bounds::fields(&self.graph, 0, spacing), spacing);
+        if spacing <= 0.0 {
+            return needed;
+        }
+        let wanted = fading(&self.graph, spacing);
+        [SIDE, 2].into_iter().find(|&n| n <= wanted && n > needed && self.parts_ns(spacing, n) <= COST_LIMIT_NS).unwrap_or(needed)
+    }
+}
