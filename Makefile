@@ -44,6 +44,7 @@ soak:
 	TERRANE_KILLS=500 $(CARGO) test --release --test it -- program::a_killed_server
 	TERRANE_PROGRAMMES=100000 $(CARGO) test --release --test it -- properties::
 	$(CARGO) test --release --test it -- --ignored --nocapture costs::costs_are_predicted
+	$(CARGO) test --release --test it -- --ignored --nocapture levels::
 
 # The pictures of docs/programmes.md.
 pictures: viewer

@@ -9,6 +9,7 @@ mod encoding;
 mod golden;
 mod grow;
 mod http;
+mod levels;
 mod library;
 mod openapi;
 mod program;
