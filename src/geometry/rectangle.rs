@@ -25,10 +25,7 @@ impl Rectangle {
     /// The least rectangle that holds both.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
-        Self {
-            min: [self.min[0].min(other.min[0]), self.min[1].min(other.min[1])],
-            max: [self.max[0].max(other.max[0]), self.max[1].max(other.max[1])],
-        }
+        Self { min: [self.min[0].min(other.min[0]), self.min[1].min(other.min[1])], max: [self.max[0].max(other.max[0]), self.max[1].max(other.max[1])] }
     }
 
     /// The rectangle with every side moved outwards by `offset` metres.

@@ -1,7 +1,8 @@
 //! Lines and rings: the parts of polylines and polygons.
 
-use super::{Detail, ShapeError, validity};
+use super::{Detail, EdgeDetail, MAX_VERTICES, ShapeError, validity};
 use crate::geometry::Rectangle;
+use std::ops::Range;
 
 /// Elevations of a shape in metres.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -46,15 +47,8 @@ impl Curve {
             starts.push(vertices.len() as u32);
             vertices.extend(part);
         }
-        let curve = Self {
-            vertices: vertices.into(),
-            starts: starts.into(),
-            elevation,
-            along: Along::default(),
-            closed,
-            detail: None,
-            stride: 1,
-        };
+        let (vertices, starts) = (vertices.into(), starts.into());
+        let curve = Self { vertices, starts, elevation, along: Along::default(), closed, detail: None, stride: 1 };
         validity::curve(&curve)?;
         Ok(curve)
     }
@@ -81,7 +75,7 @@ impl Curve {
     }
 
     /// Indices of the vertices of a part.
-    pub(super) fn part(&self, i: usize) -> std::ops::Range<usize> {
+    pub(super) fn part(&self, i: usize) -> Range<usize> {
         let end = self.starts.get(i + 1).map_or(self.vertices.len(), |&end| end as usize);
         self.starts[i] as usize..end
     }
@@ -92,17 +86,46 @@ impl Curve {
         &self.elevation
     }
 
-    /// The elevation of a vertex in metres; 0 if the shape has none.
-    ///
-    /// # Panics
-    /// If there is no such vertex.
+    /// How many chords there are: edges between vertices as they were drawn.
     #[must_use]
-    pub fn elevation_at(&self, vertex: usize) -> f64 {
+    pub fn chord_count(&self) -> usize {
+        (self.vertices.len() - self.starts.len()) / self.stride as usize
+    }
+
+    /// Edges a chord: more than one after [`Curve::expanded`].
+    #[must_use]
+    pub fn stride(&self) -> usize {
+        self.stride as usize
+    }
+
+    /// The chords in order.
+    pub fn chords(&self) -> impl Iterator<Item = Chord> + '_ {
+        let stride = self.stride as usize;
+        let firsts = (0..self.starts.len()).flat_map(move |i| self.part(i).step_by(stride).rev().skip(1).rev().map(move |first| (i, first)));
+        firsts.map(move |(part, first)| {
+            let drawn = first.saturating_sub(part) / stride + part;
+            let elevations = [self.drawn_elevation(drawn), self.drawn_elevation(drawn + 1)];
+            Chord { first, ends: [self.vertices[first], self.vertices[first + stride]], elevations }
+        })
+    }
+
+    /// The elevation of a vertex as it was drawn; 0 if the shape has none.
+    fn drawn_elevation(&self, vertex: usize) -> f64 {
         match &self.elevation {
             Elevation::Absent => 0.0,
             Elevation::Constant(elevation) => *elevation,
             Elevation::Vertices(elevations) => elevations[vertex],
         }
+    }
+
+    /// The elevation at a vertex in metres; 0 if the shape has none.
+    ///
+    /// # Panics
+    /// If there is no such vertex, or the curve was expanded.
+    #[must_use]
+    pub fn elevation_at(&self, vertex: usize) -> f64 {
+        assert_eq!(self.stride, 1, "vertices between those that were drawn have no elevation of their own");
+        self.drawn_elevation(vertex)
     }
 
     /// How the elevation runs between vertices.
@@ -123,6 +146,30 @@ impl Curve {
         self.closed
     }
 
+    /// The curve with all vertices of its detail as vertices of its own (mode `static`): the same distances and elevations as lazily.
+    ///
+    /// # Errors
+    /// If there are more than [`MAX_VERTICES`].
+    pub fn expanded(&self) -> Result<Self, ShapeError> {
+        let Some(detail) = self.detail else { return Ok(self.clone()) };
+        let stride = 1_usize << detail.iterations();
+        let total = self.chord_count() * stride + self.starts.len();
+        if total > MAX_VERTICES {
+            return Err(ShapeError::TooMany { vertices: total, limit: MAX_VERTICES });
+        }
+        let (mut vertices, mut starts, mut path) = (Vec::with_capacity(total), Vec::new(), Vec::new());
+        for part in self.parts() {
+            starts.push(vertices.len() as u32);
+            for ends in part.windows(2) {
+                let edge = detail.of_edge(ends[0], ends[1], 0.0);
+                expand_along(&edge, &mut path);
+                vertices.extend_from_slice(&path[..stride]);
+            }
+            vertices.extend(part.last());
+        }
+        Ok(Self { vertices: vertices.into(), starts: starts.into(), detail: None, stride: stride as u32, ..self.clone() })
+    }
+
     /// A rectangle that holds the curve with its detail.
     #[must_use]
     pub fn bounds(&self) -> Rectangle {
@@ -134,5 +181,24 @@ impl Curve {
             }
         }
         bounds
+    }
+}
+
+/// An edge as it was drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chord {
+    /// Its first vertex.
+    pub first: usize,
+    /// Its ends.
+    pub ends: [[f64; 2]; 2],
+    /// The elevations at its ends.
+    pub elevations: [f64; 2],
+}
+
+/// Writes the vertices of a detailed edge in the direction that it was given.
+pub(super) fn expand_along(edge: &EdgeDetail, path: &mut Vec<[f64; 2]>) {
+    edge.expand(path);
+    if edge.reversed {
+        path.reverse();
     }
 }

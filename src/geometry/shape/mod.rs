@@ -2,11 +2,14 @@
 
 mod curve;
 mod detail;
+mod edge;
 mod error;
+mod nearest;
 mod validity;
 
-pub use curve::{Along, Curve, Elevation};
-pub use detail::{Detail, MAX_ITERATIONS};
+pub use curve::{Along, Chord, Curve, Elevation};
+pub use detail::{Detail, EdgeDetail, MAX_ITERATIONS};
+pub use edge::{Edge, crosses};
 pub use error::ShapeError;
 
 use super::Rectangle;
@@ -132,3 +135,6 @@ impl Shape {
         .grown(offset)
     }
 }
+
+#[cfg(test)]
+mod tests;
