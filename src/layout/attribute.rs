@@ -1,11 +1,17 @@
 //! What a feature says about the terrain near it.
 
-use super::{Expression, Weight};
-use crate::programme::{Frame, Programme};
+use super::{ContentHash, Expression, Weight, content};
+use crate::{
+    geometry::PLANE_LIMIT,
+    programme::{Frame, Programme},
+};
 use std::{ops::Deref, sync::Arc};
 
 /// Greatest magnitude of a number that an attribute has as a value.
 const MAX_NUMBER: f64 = 1_000_000.0;
+
+/// Most numbers of a vector.
+const MAX_COMPONENTS: usize = 16;
 
 /// Why a set of attributes cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -140,7 +146,7 @@ impl Attribute {
         Self { role: Role::Channel { half_width }, ..self }
     }
 
-    /// Metres from the shape beyond which it says nothing.
+    /// Metres of the side's own distance beyond which it says nothing.
     #[must_use]
     pub fn reach(&self) -> f64 {
         match self.role {
@@ -150,10 +156,88 @@ impl Attribute {
     }
 }
 
+/// Whether a number is finite and of a size that sums of a million such numbers stay exact enough.
+fn is_number(value: f64) -> bool {
+    value.abs() <= MAX_NUMBER
+}
+
+/// Whether a number of metres can be a size.
+fn is_size(value: f64) -> bool {
+    value > 0.0 && value <= PLANE_LIMIT
+}
+
+impl Attribute {
+    /// What is wrong and what would be right.
+    fn check(&self) -> Result<(), String> {
+        let mut letters = self.name.chars();
+        let good = letters.next().is_some_and(|c| c.is_ascii_lowercase()) && letters.all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+        if !good || self.name.len() > 63 {
+            return Err("a name is a lower-case letter and up to 62 lower-case letters, digits and underscores".to_owned());
+        }
+        if !(is_size(self.range) || self.range == f64::INFINITY) {
+            return Err(format!("a range is a positive number of metres or infinite, got {}", self.range));
+        }
+        if let Some(fade) = self.fade.filter(|&fade| !(fade > 0.0 && fade <= self.range && fade.is_finite())) {
+            return Err(format!("a fade is more than 0 and at most the range of {} m, got {fade}", self.range));
+        }
+        match self.weight {
+            Weight::Sharp { width, nearest } if !(is_size(width) && is_size(nearest)) => Err("the width and the nearest distance must be positive".to_owned()),
+            Weight::Smooth { width } if !is_size(width) => Err(format!("the width must be a positive number of metres, got {width}")),
+            _ => Ok(()),
+        }?;
+        self.check_role()?;
+        self.check_value()
+    }
+
+    fn check_role(&self) -> Result<(), String> {
+        match (self.role, &self.value) {
+            (Role::Level, _) => Ok(()),
+            (Role::Channel { .. }, Value::Name(_)) => Err("names are not averaged, so they cannot be channels".to_owned()),
+            (Role::Channel { half_width }, _) if half_width != 0.0 && !is_size(half_width) => {
+                Err(format!("the half width of a channel is a number of metres from 0 on, got {half_width}"))
+            }
+            (Role::Channel { .. }, _) => Ok(()),
+        }
+    }
+
+    fn check_value(&self) -> Result<(), String> {
+        if matches!(&*self.name, "elevation" | "water_depth") && matches!(self.value, Value::Vector(_) | Value::Name(_)) {
+            return Err("its value is one number of metres".to_owned());
+        }
+        match &self.value {
+            Value::Number(value) if !is_number(*value) => Err(format!("a value lies within ±{MAX_NUMBER}, got {value}")),
+            Value::Vector(values) if values.is_empty() || values.len() > MAX_COMPONENTS || !values.iter().all(|&value| is_number(value)) => {
+                Err(format!("a vector has 1 to {MAX_COMPONENTS} numbers within ±{MAX_NUMBER}"))
+            }
+            Value::Name(name) if name.is_empty() || name.len() > 63 => Err("a name has 1 to 63 characters".to_owned()),
+            Value::Profile(pairs) => {
+                let numbers = pairs.iter().flatten().all(|&number| is_number(number));
+                let ascending = pairs.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+                if numbers && ascending && !pairs.is_empty() {
+                    return Ok(());
+                }
+                Err(format!("a profile is a list of pairs of distance and value, the distances ascending, all within ±{MAX_NUMBER}"))
+            }
+            Value::Terrain(terrain) => {
+                let frame = &terrain.frame;
+                let good =
+                    is_size(frame.scale) && frame.origin.iter().all(|c| c.abs() <= PLANE_LIMIT) && is_number(terrain.amplitude) && is_number(terrain.datum);
+                if good {
+                    Ok(())
+                } else {
+                    Err(format!("scale, origin, amplitude and datum must be numbers, the scale positive, amplitude and datum within ±{MAX_NUMBER}"))
+                }
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 /// Attributes that features share.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AttributeSet {
     attributes: Box<[Attribute]>,
+    content: ContentHash,
 }
 
 impl AttributeSet {
@@ -161,15 +245,26 @@ impl AttributeSet {
     ///
     /// # Errors
     /// If a name, a range, a width or a value is not what it may be; the error names the attribute.
-    pub fn new(attributes: Vec<Attribute>) -> Result<Self, AttributeError> {
-        let _ = MAX_NUMBER;
-        Ok(Self { attributes: attributes.into() })
+    pub fn new(mut attributes: Vec<Attribute>) -> Result<Self, AttributeError> {
+        for attribute in &attributes {
+            attribute.check().map_err(|message| AttributeError { name: attribute.name.to_string(), message })?;
+        }
+        attributes.sort_by_cached_key(content::of_attribute);
+        let content = content::of_set(&attributes);
+        Ok(Self { attributes: attributes.into(), content })
     }
 
-    /// Metres from a shape beyond which no attribute says anything; 0 without attributes.
+    /// The name of the content.
+    #[must_use]
+    pub fn hash(&self) -> ContentHash {
+        self.content
+    }
+
+    /// Metres from a shape beyond which no attribute says anything; 0 without attributes, infinite if one counts from outside.
     #[must_use]
     pub fn reach(&self) -> f64 {
-        self.attributes.iter().fold(0.0, |reach, attribute| attribute.reach().max(reach))
+        let reach = |attribute: &Attribute| if attribute.side == Side::Outside { f64::INFINITY } else { attribute.reach() };
+        self.attributes.iter().map(reach).fold(0.0, f64::max)
     }
 }
 

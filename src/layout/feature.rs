@@ -1,6 +1,6 @@
 //! Features: shapes with attributes.
 
-use super::{AttributeSet, Value};
+use super::{AttributeSet, Value, content};
 use crate::geometry::Shape;
 use std::sync::Arc;
 
@@ -15,12 +15,6 @@ pub enum FeatureError {
 /// The name of a feature's content, from its shape and its attributes. Terms are added in its ascending order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ContentHash(pub [u8; 16]);
-
-impl ContentHash {
-    fn of(_shape: &Shape, _attributes: &AttributeSet) -> Self {
-        Self([0; 16])
-    }
-}
 
 /// A shape with attributes.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,10 +34,10 @@ impl Feature {
     /// # Errors
     /// If an attribute takes the shape's elevation and the shape has none.
     pub fn new(shape: Shape, attributes: Arc<AttributeSet>) -> Result<Self, FeatureError> {
-        if let Some(attribute) = attributes.iter().find(|attribute| attribute.value == Value::Shape && !shape.has_elevation()) {
+        if let Some(attribute) = attributes.iter().find(|attribute| takes_shape(&attribute.value) && !shape.has_elevation()) {
             return Err(FeatureError::NoElevation(attribute.name.to_string()));
         }
-        let hash = ContentHash::of(&shape, &attributes);
+        let hash = content::of_feature(&shape, &attributes);
         Ok(Self { id: None, precedence: 0, shape, attributes, hash })
     }
 
@@ -63,5 +57,14 @@ impl Feature {
     #[must_use]
     pub fn hash(&self) -> ContentHash {
         self.hash
+    }
+}
+
+/// Whether a value is or contains the shape's elevation.
+fn takes_shape(value: &Value) -> bool {
+    match value {
+        Value::Shape => true,
+        Value::Terrain(terrain) => terrain.over_shape,
+        _ => false,
     }
 }

@@ -94,7 +94,7 @@ impl<'a> Evaluation<'a> {
     }
 
     /// For positions that are given, of the programme as it is.
-    fn anywhere(isa: Isa, tape: &'a Tape, frame: &'a Frame) -> Self {
+    pub(super) fn anywhere(isa: Isa, tape: &'a Tape, frame: &'a Frame) -> Self {
         let prepared = Prepared::new(&tape.graph, frame, 1.0, Filter::Exact);
         let mut evaluation = Self::prepared(isa, tape, frame, prepared, &[]);
         evaluation.once(1, 1);

@@ -1,6 +1,6 @@
 //! Lines and rings: the parts of polylines and polygons.
 
-use super::{Detail, EdgeDetail, MAX_VERTICES, ShapeError, validity};
+use super::{Detail, Edge, EdgeDetail, MAX_VERTICES, ShapeError, validity};
 use crate::geometry::Rectangle;
 use std::ops::Range;
 
@@ -100,13 +100,45 @@ impl Curve {
 
     /// The chords in order.
     pub fn chords(&self) -> impl Iterator<Item = Chord> + '_ {
-        let stride = self.stride as usize;
-        let firsts = (0..self.starts.len()).flat_map(move |i| self.part(i).step_by(stride).rev().skip(1).rev().map(move |first| (i, first)));
-        firsts.map(move |(part, first)| {
-            let drawn = first.saturating_sub(part) / stride + part;
-            let elevations = [self.drawn_elevation(drawn), self.drawn_elevation(drawn + 1)];
-            Chord { first, ends: [self.vertices[first], self.vertices[first + stride]], elevations }
-        })
+        (0..self.chord_count()).map(|chord| self.chord(chord))
+    }
+
+    /// The part that a chord belongs to.
+    ///
+    /// # Panics
+    /// If the curve has no parts.
+    #[must_use]
+    pub fn part_of(&self, chord: usize) -> usize {
+        // Before part i there are as many vertices as edges, and i more.
+        let ends_before = |start: u32, part: usize| (start as usize - part) / self.stride as usize <= chord;
+        let (mut low, mut high) = (0, self.starts.len());
+        while high - low > 1 {
+            let middle = usize::midpoint(low, high);
+            if ends_before(self.starts[middle], middle) { low = middle } else { high = middle }
+        }
+        low
+    }
+
+    /// A chord by its number.
+    ///
+    /// # Panics
+    /// If there is no such chord.
+    #[must_use]
+    pub fn chord(&self, chord: usize) -> Chord {
+        let (part, stride) = (self.part_of(chord), self.stride as usize);
+        let first = chord * stride + part;
+        let elevations = [self.drawn_elevation(chord + part), self.drawn_elevation(chord + part + 1)];
+        Chord { first, ends: [self.vertices[first], self.vertices[first + stride]], elevations }
+    }
+
+    /// The ends of an edge by its number, counted over all parts.
+    ///
+    /// # Panics
+    /// If there is no such edge.
+    #[must_use]
+    pub fn edge(&self, edge: usize) -> [[f64; 2]; 2] {
+        let first = edge + self.part_of(edge / self.stride as usize);
+        [self.vertices[first], self.vertices[first + 1]]
     }
 
     /// The elevation of a vertex as it was drawn; 0 if the shape has none.
@@ -193,6 +225,16 @@ pub struct Chord {
     pub ends: [[f64; 2]; 2],
     /// The elevations at its ends.
     pub elevations: [f64; 2],
+}
+
+impl Chord {
+    /// The elevations at the first and at the second end of the chord's edge.
+    #[inline(always)]
+    #[must_use]
+    pub fn ordered(&self, edge: &Edge) -> [f64; 2] {
+        let [a, b] = self.elevations;
+        if edge.flipped { [b, a] } else { [a, b] }
+    }
 }
 
 /// Writes the vertices of a detailed edge in the direction that it was given.

@@ -47,26 +47,28 @@ impl Curve {
                 let (square, t) = edge.nearest(p);
                 if square < least {
                     least = square;
-                    let t = if edge.flipped { 1.0 - t } else { t };
-                    elevation = self.elevation_on(chord, p, i, t, path.len() - 1);
+                    elevation = self.elevation_on(chord, p, (i, path.len() - 1), (&edge, t));
                 }
             }
         });
         Nearest { distance: least.sqrt(), elevation }
     }
 
-    /// The elevation at the place `t` along edge `i` of the `pieces` of a chord's path, in the direction of the chord, which is nearest to `p`.
-    fn elevation_on(&self, chord: &Chord, p: [f64; 2], i: usize, t: f64, pieces: usize) -> f64 {
+    /// The elevation at the place `t` of an edge, number `i` of the `pieces` of a chord's path, which is nearest to `p`.
+    fn elevation_on(&self, chord: &Chord, p: [f64; 2], (i, pieces): (usize, usize), (edge, t): (&Edge, f64)) -> f64 {
         if let Elevation::Absent | Elevation::Constant(_) = self.elevation {
             return chord.elevations[0];
         }
         let straight = Edge::new(chord.ends[0], chord.ends[1]);
-        let [start, end] = ordered(&straight, chord.elevations);
+        let [start, end] = chord.ordered(&straight);
         let share = match self.along {
             Along::Chord => straight.nearest(p).1,
             // Counted from the lexicographically first end, so that an edge has the same elevations in both directions.
-            Along::Arc if straight.flipped => ((pieces - 1 - i) as f64 + (1.0 - t)) * (1.0 / pieces as f64),
-            Along::Arc => (i as f64 + t) * (1.0 / pieces as f64),
+            Along::Arc => {
+                let piece = if straight.flipped { pieces - 1 - i } else { i };
+                let t = if edge.flipped == straight.flipped { t } else { 1.0 - t };
+                (piece as f64 + t) * (1.0 / pieces as f64)
+            }
         };
         start + (end - start) * share
     }
@@ -81,9 +83,4 @@ impl Curve {
         });
         inside
     }
-}
-
-/// The elevations at the first and the second end of an edge, from those at its ends as given.
-fn ordered(edge: &Edge, [a, b]: [f64; 2]) -> [f64; 2] {
-    if edge.flipped { [b, a] } else { [a, b] }
 }
