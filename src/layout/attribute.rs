@@ -191,12 +191,11 @@ impl Attribute {
 
     fn check_role(&self) -> Result<(), String> {
         match (self.role, &self.value) {
-            (Role::Level, _) => Ok(()),
             (Role::Channel { .. }, Value::Name(_)) => Err("names are not averaged, so they cannot be channels".to_owned()),
             (Role::Channel { half_width }, _) if half_width != 0.0 && !is_size(half_width) => {
                 Err(format!("the half width of a channel is a number of metres from 0 on, got {half_width}"))
             }
-            (Role::Channel { .. }, _) => Ok(()),
+            _ => Ok(()),
         }
     }
 

@@ -166,9 +166,15 @@ impl Kernel for Divide<'_> {
             distances.list.clear();
             distances.list.extend_from_slice(&distances.waiting[first..end]);
             distances.waiting.truncate(end);
-            let limit = if count == LEAST { usize::MAX } else { HALVED };
-            let straight = distances.search.refine(&area, &mut distances.list, limit);
-            if count > LEAST && (!straight || distances.list.len() > COMPARED) {
+            if count == LEAST {
+                let range = start..start + count;
+                distances.search.refine_points(lanes, [&block.xs.0[range.clone()], &block.ys.0[range]], &mut distances.list);
+                distances.part(lanes, block, &kind, &area, [start, count]);
+                continue;
+            }
+            let straight = distances.search.refine(&area, &mut distances.list, HALVED);
+            let many = !straight || distances.list.len() > COMPARED;
+            if many || (count > 2 * LEAST && distances.search.leaves(&area, &distances.list)) {
                 let first = distances.waiting.len();
                 distances.waiting.extend_from_slice(&distances.list);
                 let size = if count == 2 * LEAST { LEAST } else { count / 4 };
@@ -275,7 +281,7 @@ impl Group {
 /// [`Edge::nearest`] of every lane.
 #[inline(always)]
 fn square_and_share<L: Lanes>(lanes: L, edge: &Edge, [x, y]: [L::Doubles; 2]) -> [L::Doubles; 2] {
-    let along = edge.along.map(|c| lanes.splat_doubles(c));
+    let along = [lanes.splat_doubles(edge.along[0]), lanes.splat_doubles(edge.along[1])];
     let (x, y) = (x - lanes.splat_doubles(edge.start[0]), y - lanes.splat_doubles(edge.start[1]));
     let t = (x * along[0] + y * along[1]) * lanes.splat_doubles(edge.inverse);
     let t = lanes.larger_doubles(lanes.splat_doubles(0.0), t);

@@ -154,13 +154,14 @@ impl<'a> Evaluation<'a> {
         let mut prepared = Vec::new();
         for attribute in layout.features[number].attributes().iter() {
             let field = layout.field(&attribute.name);
-            if !self.wanted[field] {
+            let term = Term::new(attribute, self.spacing);
+            if !self.wanted[field] || term.gain == 0.0 {
                 continue;
             }
             let lines = if let Value::Profile(pairs) = &attribute.value { lines(pairs).collect() } else { Vec::new() };
             let terrain = if let Value::Terrain(value) = &attribute.value { Some(self.terrain(value)) } else { None };
             let stage = stage(&layout.fields[field], attribute);
-            prepared.push(Prepared { term: Term::new(attribute, self.spacing), field, stage, lines, terrain });
+            prepared.push(Prepared { term, field, stage, lines, terrain });
         }
         prepared
     }

@@ -61,7 +61,7 @@ impl Kernel for Add<'_> {
                     Side::Outside => lanes.larger_doubles(zero, zero - s),
                     Side::Edge => lanes.larger_doubles(s, zero - s),
                 };
-                let custom = custom.map_or(zero, |custom| lanes.load_doubles(&custom.0[i..]));
+                let custom = if let Some(custom) = custom { lanes.load_doubles(&custom.0[i..]) } else { zero };
                 let gain = lanes.splat_doubles(term.gain);
                 let weight = match &term.channel {
                     None => weight(lanes, term, d, custom) * gain,
@@ -160,7 +160,7 @@ fn channel_weight<L: Lanes>(lanes: L, channel: &Channel, d: L::Doubles) -> L::Do
 /// The coverage without the gain.
 #[inline(always)]
 fn coverage<L: Lanes>(lanes: L, term: &Term, d: L::Doubles) -> L::Doubles {
-    let [start, fall] = term.coverage.map(|c| lanes.splat_doubles(c));
+    let (start, fall) = (lanes.splat_doubles(term.coverage[0]), lanes.splat_doubles(term.coverage[1]));
     let u = lanes.smaller_doubles(lanes.larger_doubles(lanes.splat_doubles(0.0), start - d * fall), lanes.splat_doubles(1.0));
     u * u * (lanes.splat_doubles(3.0) - lanes.splat_doubles(2.0) * u)
 }

@@ -28,6 +28,7 @@ mod evaluate;
 mod expression;
 mod feature;
 mod field;
+pub mod generate;
 mod index;
 mod kernels;
 mod parity;

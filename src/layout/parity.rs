@@ -21,7 +21,9 @@ pub(super) struct Parity {
 impl Parity {
     /// Goes to a polygon and a block.
     pub(super) fn begin(&mut self, curve: &Curve, runs: Option<&Runs>, area: &Rectangle, spacing: f64) {
-        (self.details.clear(), self.nodes.clear(), self.pairs.clear());
+        self.details.clear();
+        self.nodes.clear();
+        self.pairs.clear();
         match runs {
             None => self.edges(curve, 0..curve.chord_count() * curve.stride(), area, spacing),
             Some(runs) => runs.east(area, |found| match found {

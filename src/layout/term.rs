@@ -63,7 +63,8 @@ impl<'a> Term<'a> {
             Weight::Smooth { width } => Curve::Smooth { inverse_width: 1.0 / width },
             Weight::Custom(expression) => Curve::Custom { expression, range },
         };
-        let seen = if spacing > 0.0 { lesser(attribute.reach() / (2.0 * spacing), 1.0) } else { 1.0 };
+        // All of it at two spacings, nothing at a quarter of one.
+        let seen = if spacing > 0.0 { lesser(above_zero((attribute.reach() / spacing - 0.25) / 1.75), 1.0) } else { 1.0 };
         let mut term = Self { attribute, curve, inverse_range: 1.0 / range, coverage, gain: seen * seen * (3.0 - 2.0 * seen), channel: None };
         if let Role::Channel { half_width } = attribute.role {
             let first = term.curve_at(0.0);

@@ -64,6 +64,8 @@ pub trait Lanes: Copy {
     fn larger(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
     /// a < b ? yes : no.
     fn where_less(self, a: Self::Floats, b: Self::Floats, yes: Self::Floats, no: Self::Floats) -> Self::Floats;
+    /// Whether a < b in any lane.
+    fn any_less(self, a: Self::Floats, b: Self::Floats) -> bool;
     /// The bits of floats.
     fn to_words(self, a: Self::Floats) -> Self::Words;
     /// The floats of bits.
@@ -255,6 +257,15 @@ impl<const N: usize> Lanes for Plain<N> {
     #[inline(always)]
     fn where_less(self, a: Self::Floats, b: Self::Floats, yes: Self::Floats, no: Self::Floats) -> Self::Floats {
         Array(core::array::from_fn(|i| if a.0[i] < b.0[i] { yes.0[i] } else { no.0[i] }))
+    }
+
+    #[inline(always)]
+    fn any_less(self, a: Self::Floats, b: Self::Floats) -> bool {
+        let mut any = 0;
+        for i in 0..N {
+            any |= u8::from(a.0[i] < b.0[i]);
+        }
+        any != 0
     }
 
     #[inline(always)]

@@ -9,11 +9,11 @@ use core::{
         __m256, __m256d, __m256i, __m512, __m512d, __m512i, _CMP_LT_OQ, _MM_FROUND_TO_NEG_INF, _mm_loadu_si128, _mm256_add_epi32, _mm256_add_pd, _mm256_add_ps,
         _mm256_and_ps, _mm256_and_si256, _mm256_blendv_pd, _mm256_blendv_ps, _mm256_broadcastsi128_si256, _mm256_castpd_ps, _mm256_castps_pd,
         _mm256_castps_si256, _mm256_castsi256_ps, _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvtpd_ps, _mm256_cvttps_epi32, _mm256_div_pd,
-        _mm256_floor_pd, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_max_pd, _mm256_max_ps, _mm256_min_pd, _mm256_min_ps, _mm256_mul_pd,
-        _mm256_mul_ps, _mm256_mulhi_epu16, _mm256_mullo_epi32, _mm256_or_si256, _mm256_permute4x64_pd, _mm256_permutevar8x32_ps, _mm256_set_m128,
-        _mm256_set1_epi16, _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_shuffle_epi8, _mm256_shuffle_ps, _mm256_slli_epi32, _mm256_sllv_epi32,
-        _mm256_sqrt_pd, _mm256_sqrt_ps, _mm256_srav_epi32, _mm256_srlv_epi32, _mm256_storeu_pd, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_epi32,
-        _mm256_sub_pd, _mm256_sub_ps, _mm256_xor_si256, _mm512_abs_ps, _mm512_add_epi32, _mm512_add_pd, _mm512_add_ps, _mm512_and_si512,
+        _mm256_floor_pd, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_max_pd, _mm256_max_ps, _mm256_min_pd, _mm256_min_ps, _mm256_movemask_ps,
+        _mm256_mul_pd, _mm256_mul_ps, _mm256_mulhi_epu16, _mm256_mullo_epi32, _mm256_or_si256, _mm256_permute4x64_pd, _mm256_permutevar8x32_ps,
+        _mm256_set_m128, _mm256_set1_epi16, _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_shuffle_epi8, _mm256_shuffle_ps, _mm256_slli_epi32,
+        _mm256_sllv_epi32, _mm256_sqrt_pd, _mm256_sqrt_ps, _mm256_srav_epi32, _mm256_srlv_epi32, _mm256_storeu_pd, _mm256_storeu_ps, _mm256_storeu_si256,
+        _mm256_sub_epi32, _mm256_sub_pd, _mm256_sub_ps, _mm256_xor_si256, _mm512_abs_ps, _mm512_add_epi32, _mm512_add_pd, _mm512_add_ps, _mm512_and_si512,
         _mm512_broadcast_f32x8, _mm512_broadcast_i32x4, _mm512_castpd_si512, _mm512_castps_si512, _mm512_castps256_ps512, _mm512_castsi512_ps,
         _mm512_cmp_pd_mask, _mm512_cmp_ps_mask, _mm512_cvtepi32_ps, _mm512_cvtpd_ps, _mm512_cvttps_epi32, _mm512_div_pd, _mm512_insertf32x8, _mm512_loadu_pd,
         _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mask_blend_pd, _mm512_mask_blend_ps, _mm512_max_pd, _mm512_max_ps, _mm512_min_pd, _mm512_min_ps,
@@ -141,6 +141,7 @@ impl Lanes for Avx2 {
         fn larger(self, a: Self::Floats, b: Self::Floats) -> Self::Floats = Vector(_mm256_max_ps(b.0, a.0));
         fn where_less(self, a: Self::Floats, b: Self::Floats, yes: Self::Floats, no: Self::Floats) -> Self::Floats
             = Vector(_mm256_blendv_ps(no.0, yes.0, _mm256_cmp_ps::<_CMP_LT_OQ>(a.0, b.0)));
+        fn any_less(self, a: Self::Floats, b: Self::Floats) -> bool = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a.0, b.0)) != 0;
         fn to_words(self, a: Self::Floats) -> Self::Words = Vector(_mm256_castps_si256(a.0));
         fn to_floats(self, a: Self::Words) -> Self::Floats = Vector(_mm256_castsi256_ps(a.0));
         fn shl<const N: u32>(self, a: Self::Words) -> Self::Words = Vector(_mm256_sllv_epi32(a.0, _mm256_set1_epi32(N as i32)));
@@ -210,6 +211,7 @@ impl Lanes for Avx512 {
         fn larger(self, a: Self::Floats, b: Self::Floats) -> Self::Floats = Vector(_mm512_max_ps(b.0, a.0));
         fn where_less(self, a: Self::Floats, b: Self::Floats, yes: Self::Floats, no: Self::Floats) -> Self::Floats
             = Vector(_mm512_mask_blend_ps(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a.0, b.0), no.0, yes.0));
+        fn any_less(self, a: Self::Floats, b: Self::Floats) -> bool = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a.0, b.0) != 0;
         fn to_words(self, a: Self::Floats) -> Self::Words = Vector(_mm512_castps_si512(a.0));
         fn to_floats(self, a: Self::Words) -> Self::Floats = Vector(_mm512_castsi512_ps(a.0));
         fn shl<const N: u32>(self, a: Self::Words) -> Self::Words = Vector(_mm512_slli_epi32::<N>(a.0));

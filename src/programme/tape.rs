@@ -161,8 +161,8 @@ impl PointTape {
     /// If the node does not come from a [`super::Programme`], which has checked its size.
     #[must_use]
     pub fn compile(root: &Node) -> Self {
-        let graph = Graph::simplified(root).ok().expect("a programme's size was checked when it was parsed");
-        Self(Compiler::new(graph, Samples::Anywhere).compile())
+        let tape = Graph::simplified(root).map(|graph| Compiler::new(graph, Samples::Anywhere).compile());
+        Self(tape.expect("a programme's size was checked when it was parsed"))
     }
 
     /// The programme as it is at positions in programme coordinates; what is not finite is 0.

@@ -161,7 +161,7 @@ fn what_is_wrong_is_named() {
 fn a_large_polygon_is_checked_quickly() {
     let count = 20_000;
     let ring = |i: usize| {
-        let (angle, radius) = (std::f64::consts::TAU * i as f64 / count as f64, if i % 2 == 0 { 900.0 } else { 1_000.0 });
+        let (angle, radius) = (std::f64::consts::TAU * i as f64 / count as f64, if i.is_multiple_of(2) { 900.0 } else { 1_000.0 });
         [radius * angle.cos(), radius * angle.sin()]
     };
     let mut vertices: Vec<[f64; 2]> = (0..count).map(ring).collect();
