@@ -28,7 +28,6 @@ mod evaluate;
 mod expression;
 mod feature;
 mod field;
-pub mod generate;
 mod index;
 mod kernels;
 mod parity;
