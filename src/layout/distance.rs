@@ -174,7 +174,7 @@ impl Kernel for Divide<'_> {
             }
             let straight = distances.search.refine(&area, &mut distances.list, HALVED);
             let many = !straight || distances.list.len() > COMPARED;
-            if many || (count > 2 * LEAST && distances.search.leaves(&area, &distances.list)) {
+            if many || (count > 8 * LEAST && distances.search.leaves(&area, &distances.list)) {
                 let first = distances.waiting.len();
                 distances.waiting.extend_from_slice(&distances.list);
                 let size = if count == 2 * LEAST { LEAST } else { count / 4 };
