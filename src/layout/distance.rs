@@ -1,13 +1,13 @@
 //! Signed distances and nearest elevations of one feature over a block.
 
 use super::{
+    Feature,
     block::{Block, LEAST, POINTS, Values},
     index::farthest,
     parity::Parity,
     runs::Runs,
     search::{Near, Node, Search, touches},
 };
-use crate::layout::Feature;
 use crate::{
     geometry::{Along, Curve, Edge, Elevation, Rectangle, Shape},
     noise::{Isa, Kernel, Lanes},

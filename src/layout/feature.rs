@@ -1,7 +1,7 @@
 //! Features: shapes with attributes.
 
 use super::{AttributeSet, Value, content};
-use crate::geometry::Shape;
+use crate::geometry::{Shape, ShapeError};
 use std::sync::Arc;
 
 /// Why a feature cannot be made.
@@ -10,6 +10,9 @@ pub enum FeatureError {
     /// An attribute takes the shape's elevation, which the shape does not have.
     #[error("attribute {0:?} takes the elevation of the shape, which has none: give every vertex a third coordinate")]
     NoElevation(String),
+    /// Its shape cannot have the detail that it should have.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
 }
 
 /// The name of a feature's content, from its shape and its attributes. Terms are added in its ascending order.

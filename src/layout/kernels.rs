@@ -64,7 +64,7 @@ impl Kernel for Add<'_> {
                 let custom = if let Some(custom) = custom { lanes.load_doubles(&custom.0[i..]) } else { zero };
                 let gain = lanes.splat_doubles(term.gain);
                 let weight = match &term.channel {
-                    None => weight(lanes, term, d, custom) * gain,
+                    None => weight_at(lanes, term, d, custom) * gain,
                     Some(channel) => channel_weight(lanes, channel, d) * gain,
                 };
                 grow(lanes, &mut sums.weight, i, weight);
@@ -121,11 +121,6 @@ impl Input<'_> {
 fn grow<L: Lanes>(lanes: L, sums: &mut Values, i: usize, by: L::Doubles) {
     let sum = lanes.load_doubles(&sums.0[i..]) + by;
     lanes.store_doubles(sum, &mut sums.0[i..]);
-}
-
-#[inline(always)]
-fn weight<L: Lanes>(lanes: L, term: &Term, d: L::Doubles, custom: L::Doubles) -> L::Doubles {
-    weight_at(lanes, term, d, custom)
 }
 
 /// The weight without the gain.

@@ -23,6 +23,7 @@
 mod attribute;
 mod block;
 mod content;
+mod detail;
 mod distance;
 mod evaluate;
 mod expression;
@@ -39,6 +40,7 @@ mod term;
 mod weight;
 
 pub use attribute::{Attribute, AttributeError, AttributeSet, Role, Side, TerrainValue, Value};
+pub use detail::DetailMode;
 pub use expression::{Expression, ExpressionError};
 pub use feature::{ContentHash, Feature, FeatureError};
 pub use field::{Field, FieldKind};

@@ -73,6 +73,9 @@ pub enum ShapeError {
     /// Detail for a shape without edges.
     #[error("only lines and polygons can have detail")]
     NoEdges,
+    /// A polygon whose edges were to become features.
+    #[error("only lines can be split: the edges of a polygon have no inside")]
+    Split,
     /// Too many iterations of midpoint displacement.
     #[error("{0} iterations of midpoint displacement are more than the {max} allowed", max = super::MAX_ITERATIONS)]
     Iterations(u8),
