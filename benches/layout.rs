@@ -14,7 +14,7 @@ use terrane::{
 /// Metres between the ends of the lines, about.
 const STEP: f64 = 90.0;
 /// Metres that a line has influence on: chosen for 16.4 influence rectangles a sample.
-const RANGE: f64 = 131.0;
+const RANGE: f64 = 157.0;
 
 fn random(i: i64, j: i64, k: u64) -> f64 {
     let hash = terrane::noise::key(terrane::noise::key(k, i as u64), j as u64);
