@@ -29,6 +29,7 @@ mod evaluate;
 mod expression;
 mod feature;
 mod field;
+pub mod generate;
 mod index;
 mod kernels;
 mod parity;
