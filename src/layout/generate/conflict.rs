@@ -30,7 +30,7 @@ pub enum Conflict {
 ///
 /// # Errors
 /// A clearance outside its range.
-pub fn resolve(features: Vec<Feature>, conflict: Conflict) -> Result<Vec<Feature>, GenerateError> {
+pub fn resolve(features: &[Feature], conflict: Conflict) -> Result<Vec<Feature>, GenerateError> {
     if let Conflict::Cut { clearance } = conflict {
         check("conflict.clearance", clearance, 0.001..=1e6)?;
     }
@@ -142,8 +142,8 @@ impl Above {
         }
         let [first, last] = [line[0], line[line.len() - 1]];
         let cut = pieces.into_iter().map(|piece| {
-            let piece = if piece.first() == Some(&first) { piece } else { shortened(piece, clearance) };
-            if piece.last() == Some(&last) { piece } else { reversed(shortened(reversed(piece), clearance)) }
+            let piece = if piece.first() == Some(&first) { piece } else { shortened(&piece, clearance) };
+            if piece.last() == Some(&last) { piece } else { reversed(shortened(&reversed(piece), clearance)) }
         });
         cut.filter(|piece| length(piece) >= clearance).collect()
     }
@@ -163,7 +163,7 @@ fn length(line: &[[f64; 3]]) -> f64 {
 }
 
 /// A line without its first `away` metres.
-fn shortened(line: Vec<[f64; 3]>, away: f64) -> Vec<[f64; 3]> {
+fn shortened(line: &[[f64; 3]], away: f64) -> Vec<[f64; 3]> {
     let mut left = away;
     for k in 1..line.len() {
         let (a, b) = (line[k - 1], line[k]);

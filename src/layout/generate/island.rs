@@ -47,6 +47,6 @@ impl Island {
         let lakes = self.lakes.as_ref().map(|lakes| (lakes, &styles.lakes));
         let waters = self.rivers.features(&land, &[], lakes, seed, &styles.rivers)?;
         let ridges = self.ridges.features(&land, &waters, seed, &styles.ridges)?;
-        resolve([land, waters, ridges].concat(), Conflict::Cut { clearance: self.ridges.step })
+        resolve(&[land, waters, ridges].concat(), Conflict::Cut { clearance: self.ridges.step })
     }
 }

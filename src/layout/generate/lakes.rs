@@ -56,14 +56,14 @@ impl Lakes {
         self.check()?;
         let children = network.children();
         let mut stream = Stream::new(seed, "lakes");
-        for index in 0..network.nodes.len() {
+        for (index, children) in children.iter().enumerate() {
             let wanted = stream.unit() < self.share;
             let Some(parent) = network.nodes[index].parent else { continue };
-            let has_neighbour = children[index].iter().chain([&parent]).any(|&other| network.nodes[other].lake.is_some());
-            if !wanted || has_neighbour || children[index].is_empty() || network.nodes[parent].parent.is_none() {
+            let has_neighbour = children.iter().chain([&parent]).any(|&other| network.nodes[other].lake.is_some());
+            if !wanted || has_neighbour || children.is_empty() || network.nodes[parent].parent.is_none() {
                 continue;
             }
-            let lake = self.round(network, index, &children[index], spacing, &mut stream);
+            let lake = self.round(network, index, children, spacing, &mut stream);
             network.nodes[index].lake = Some(network.lakes.len());
             network.lakes.push(lake);
         }

@@ -94,7 +94,7 @@ impl Ridges {
             })
             .collect();
         let kept = edges.into_iter().filter(|edge| {
-            edge.ends.iter().all(|&end| stands[end]) && self.divides(edge, &vertices, &places) && {
+            edge.ends.iter().all(|&end| stands[end]) && divides(edge, &vertices, &places) && {
                 let segment = edge.ends.map(|end| vertices[end].at);
                 !shores.around(segment, 0.0).into_iter().any(|number| crossing(segment, shores.segments()[number]).is_some())
             }
@@ -136,14 +136,14 @@ impl Ridges {
         let away = distance(vertex.at, places.at[vertex.places[0]]);
         water + self.slope * away * (1.0 + self.variation * stream.between(-1.0, 1.0))
     }
+}
 
-    /// Whether an edge has water on two sides rather than two places of one bank.
-    fn divides(&self, edge: &Edge, vertices: &[Vertex], places: &Places) -> bool {
-        let [a, b] = edge.places;
-        let span = distance(places.at[a], places.at[b]);
-        let nearest = segment_distance(places.at[a], edge.ends.map(|end| vertices[end].at));
-        places.links.binary_search(&[a.min(b), a.max(b)]).is_err() && span >= APART * nearest
-    }
+/// Whether an edge has water on two sides rather than two places of one bank.
+fn divides(edge: &Edge, vertices: &[Vertex], places: &Places) -> bool {
+    let [a, b] = edge.places;
+    let span = distance(places.at[a], places.at[b]);
+    let nearest = segment_distance(places.at[a], edge.ends.map(|end| vertices[end].at));
+    places.links.binary_search(&[a.min(b), a.max(b)]).is_err() && span >= APART * nearest
 }
 
 impl Places {

@@ -183,13 +183,12 @@ impl Growth<'_> {
         let turned = self.node_at(first).is_none() && (self.node_at(last).is_some() || end.0 < start.0);
         let (lower, (_, shore)) = if turned { (last, end) } else { (first, start) };
         let [x, y, elevation] = self.shore[shore].at;
-        let mut node = match self.node_at(lower).or_else(|| self.node_at([x, y])) {
-            Some(node) => node,
-            None => {
-                let mouth = self.place([x, y], None, elevation);
-                self.coasts[mouth] = Some(self.shore[shore].coast);
-                mouth
-            }
+        let mut node = if let Some(node) = self.node_at(lower).or_else(|| self.node_at([x, y])) {
+            node
+        } else {
+            let mouth = self.place([x, y], None, elevation);
+            self.coasts[mouth] = Some(self.shore[shore].coast);
+            mouth
         };
         for k in 0..line.len() {
             let at = line[if turned { line.len() - 1 - k } else { k }];

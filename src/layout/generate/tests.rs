@@ -197,13 +197,13 @@ fn conflicts_are_cut_or_removed_by_precedence() {
     let ridge = line(vec![[0.0, 0.0], [10.0, 0.0], [20.0, 0.0]], 1);
     let river = line(vec![[15.0, -5.0], [15.0, 5.0]], 2);
     let all = vec![ridge.clone(), pond(3), river.clone()];
-    let removed = resolve(all.clone(), Conflict::Remove).unwrap();
+    let removed = resolve(&all, Conflict::Remove).unwrap();
     assert_eq!(removed, [pond(3), river.clone()]);
-    let cut = resolve(all, Conflict::Cut { clearance: 1.0 }).unwrap();
+    let cut = resolve(&all, Conflict::Cut { clearance: 1.0 }).unwrap();
     let pieces: Vec<Vec<Point>> = lines(&cut[..3]).iter().map(|water| flat(&water.line)).collect();
     assert_eq!(pieces, [vec![[0.0, 0.0], [3.0, 0.0]], vec![[9.0, 0.0], [10.0, 0.0], [14.0, 0.0]], vec![[16.0, 0.0], [20.0, 0.0]]]);
-    assert_eq!(resolve(vec![ridge.clone(), line(vec![[20.0, 0.0], [25.0, 9.0]], 2)], Conflict::Remove).unwrap().len(), 2, "sharing a vertex is no conflict");
-    assert_eq!(resolve(vec![pond(1), ridge], Conflict::Remove).unwrap().len(), 2, "lines do not remove polygons, and equals do not conflict");
+    assert_eq!(resolve(&[ridge.clone(), line(vec![[20.0, 0.0], [25.0, 9.0]], 2)], Conflict::Remove).unwrap().len(), 2, "sharing a vertex is no conflict");
+    assert_eq!(resolve(&[pond(1), ridge], Conflict::Remove).unwrap().len(), 2, "lines do not remove polygons, and equals do not conflict");
 }
 
 #[test]
@@ -229,7 +229,7 @@ fn bad_parameters_are_named() {
     check(|island| island.ridges.slope = 0.0, "ridges.slope:");
     check(|island| island.ridges.variation = 2.0, "ridges.variation:");
     assert!(Styles::for_spacing(f64::INFINITY, 1).unwrap_err().to_string().starts_with("styles.spacing:"));
-    assert!(resolve(Vec::new(), Conflict::Cut { clearance: 0.0 }).unwrap_err().to_string().starts_with("conflict.clearance:"));
+    assert!(resolve(&[], Conflict::Cut { clearance: 0.0 }).unwrap_err().to_string().starts_with("conflict.clearance:"));
     let point = Feature::new(Shape::point([0.0, 0.0], Some(1.0)).unwrap(), styles(1).land.attributes).unwrap();
     let rivers = small().rivers.features(std::slice::from_ref(&point), &[], None, 1, &styles(1).rivers);
     assert!(rivers.unwrap_err().to_string().starts_with("rivers.land[0]:"));
