@@ -22,7 +22,7 @@ pub struct Rivers {
     pub attempts: u32,
     /// The slope of a river at its source, 0.0001 … 1.
     pub source_slope: f64,
-    /// How fast slopes fall with the water that has joined, 0 … 1: slope is `source_slope · upstream^-concavity` (J. T. Hack 1957, W. B. Bull's graded rivers near 0.4).
+    /// How fast slopes fall with the water that has joined, 0 … 1: slope is `source_slope · upstream^-concavity` (J. J. Flint 1974; real rivers have 0.3 to 0.6).
     pub concavity: f64,
 }
 
