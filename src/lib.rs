@@ -22,10 +22,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Modules may use only those listed before them: [`geometry`], [`noise`], [`analysis`], [`programme`], [`world`], [`tile`], [`query`], `store`, `server`.
+//! Modules may use only those listed before them: [`geometry`], [`noise`], [`analysis`], [`programme`], [`layout`], [`world`], [`tile`], [`query`], `store`, `server`.
 
 pub mod analysis;
 pub mod geometry;
+pub mod layout;
 pub mod noise;
 pub mod programme;
 pub mod query;

@@ -173,6 +173,16 @@ impl Window {
         Self { columns: grow(&self.columns), rows: grow(&self.rows), filter: self.filter }
     }
 
+    /// A part of the window: first row and number of rows, first column and number of columns.
+    ///
+    /// # Panics
+    /// If the window has no such rows or columns.
+    #[must_use]
+    pub fn part(&self, rows: [usize; 2], columns: [usize; 2]) -> Self {
+        assert!(columns[0] + columns[1] <= self.columns.len(), "columns {} + {} of {}", columns[0], columns[1], self.columns.len());
+        Self { columns: self.columns.part(columns[0] as i64, columns[1]), ..self.band(rows[0], rows[1]) }
+    }
+
     /// `count` rows of the window from row `first` on.
     ///
     /// # Panics

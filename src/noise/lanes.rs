@@ -49,6 +49,21 @@ pub trait Lanes: Copy {
     /// The first `WIDTH` values of a slice that has as many.
     fn load_doubles(self, from: &[f64]) -> Self::Doubles;
 
+    /// Writes the first `WIDTH` values of a slice that has as many.
+    fn store_doubles(self, values: Self::Doubles, to: &mut [f64]);
+    /// The nearest floats.
+    fn round(self, a: Self::Doubles) -> Self::Floats;
+    /// a / b, rounded to nearest.
+    fn divide_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    /// √a, rounded to nearest.
+    fn sqrt_doubles(self, a: Self::Doubles) -> Self::Doubles;
+    /// b < a ? b : a.
+    fn smaller_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    /// b > a ? b : a.
+    fn larger_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    /// a < b ? yes : no.
+    fn where_less_doubles(self, a: Self::Doubles, b: Self::Doubles, yes: Self::Doubles, no: Self::Doubles) -> Self::Doubles;
+
     /// |a|.
     fn abs(self, a: Self::Floats) -> Self::Floats;
     /// √a, rounded to nearest.
@@ -59,6 +74,8 @@ pub trait Lanes: Copy {
     fn larger(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
     /// a < b ? yes : no.
     fn where_less(self, a: Self::Floats, b: Self::Floats, yes: Self::Floats, no: Self::Floats) -> Self::Floats;
+    /// Whether a < b in any lane.
+    fn any_less(self, a: Self::Floats, b: Self::Floats) -> bool;
     /// The bits of floats.
     fn to_words(self, a: Self::Floats) -> Self::Words;
     /// The floats of bits.
@@ -208,6 +225,41 @@ impl<const N: usize> Lanes for Plain<N> {
     }
 
     #[inline(always)]
+    fn store_doubles(self, values: Self::Doubles, to: &mut [f64]) {
+        to[..N].copy_from_slice(&values.0);
+    }
+
+    #[inline(always)]
+    fn round(self, a: Self::Doubles) -> Self::Floats {
+        a.map(|a| a as f32)
+    }
+
+    #[inline(always)]
+    fn divide_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles {
+        a.zip(b, |a, b| a / b)
+    }
+
+    #[inline(always)]
+    fn sqrt_doubles(self, a: Self::Doubles) -> Self::Doubles {
+        a.map(f64::sqrt)
+    }
+
+    #[inline(always)]
+    fn smaller_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles {
+        a.zip(b, |a, b| if b < a { b } else { a })
+    }
+
+    #[inline(always)]
+    fn larger_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles {
+        a.zip(b, |a, b| if b > a { b } else { a })
+    }
+
+    #[inline(always)]
+    fn where_less_doubles(self, a: Self::Doubles, b: Self::Doubles, yes: Self::Doubles, no: Self::Doubles) -> Self::Doubles {
+        Array(core::array::from_fn(|i| if a.0[i] < b.0[i] { yes.0[i] } else { no.0[i] }))
+    }
+
+    #[inline(always)]
     fn abs(self, a: Self::Floats) -> Self::Floats {
         a.map(f32::abs)
     }
@@ -230,6 +282,15 @@ impl<const N: usize> Lanes for Plain<N> {
     #[inline(always)]
     fn where_less(self, a: Self::Floats, b: Self::Floats, yes: Self::Floats, no: Self::Floats) -> Self::Floats {
         Array(core::array::from_fn(|i| if a.0[i] < b.0[i] { yes.0[i] } else { no.0[i] }))
+    }
+
+    #[inline(always)]
+    fn any_less(self, a: Self::Floats, b: Self::Floats) -> bool {
+        let mut any = 0;
+        for i in 0..N {
+            any |= u8::from(a.0[i] < b.0[i]);
+        }
+        any != 0
     }
 
     #[inline(always)]

@@ -96,6 +96,7 @@ impl<L: Lanes> Lanes for Twice<L> {
     store! {
         store(Floats, f32);
         store_words(Words, u32);
+        store_doubles(Doubles, f64);
     }
 
     both! {
@@ -115,6 +116,17 @@ impl<L: Lanes> Lanes for Twice<L> {
         high_words(a: Doubles) -> Words;
         least(a: Doubles, b: Doubles) -> Doubles;
         greatest(a: Doubles, b: Doubles) -> Doubles;
+        round(a: Doubles) -> Floats;
+        divide_doubles(a: Doubles, b: Doubles) -> Doubles;
+        sqrt_doubles(a: Doubles) -> Doubles;
+        smaller_doubles(a: Doubles, b: Doubles) -> Doubles;
+        larger_doubles(a: Doubles, b: Doubles) -> Doubles;
+        where_less_doubles(a: Doubles, b: Doubles, yes: Doubles, no: Doubles) -> Doubles;
+    }
+
+    #[inline(always)]
+    fn any_less(self, a: Self::Floats, b: Self::Floats) -> bool {
+        self.0.any_less(a.0, b.0) || self.0.any_less(a.1, b.1)
     }
 
     #[inline(always)]

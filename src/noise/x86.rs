@@ -7,19 +7,21 @@ use super::lanes::Lanes;
 use core::{
     arch::x86_64::{
         __m256, __m256d, __m256i, __m512, __m512d, __m512i, _CMP_LT_OQ, _mm_cvtsd_f64, _mm_loadu_si128, _mm_max_pd, _mm_min_pd, _mm_unpackhi_pd,
-        _mm256_add_epi32, _mm256_add_pd, _mm256_add_ps, _mm256_and_ps, _mm256_and_si256, _mm256_blendv_ps, _mm256_broadcastsi128_si256, _mm256_castpd_ps,
-        _mm256_castpd256_pd128, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvttps_epi32, _mm256_extractf128_pd,
-        _mm256_loadu_pd, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_loadu2_m128, _mm256_max_pd, _mm256_max_ps, _mm256_min_pd, _mm256_min_ps, _mm256_mul_pd,
-        _mm256_mul_ps, _mm256_mulhi_epu16, _mm256_mullo_epi32, _mm256_or_si256, _mm256_permute4x64_epi64, _mm256_permutevar8x32_ps, _mm256_set1_epi16,
-        _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_shuffle_epi8, _mm256_shuffle_ps, _mm256_slli_epi32, _mm256_sllv_epi32, _mm256_sqrt_ps,
-        _mm256_srav_epi32, _mm256_srli_epi32, _mm256_srlv_epi32, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_epi32, _mm256_sub_pd, _mm256_sub_ps,
-        _mm256_unpackhi_pd, _mm256_unpacklo_pd, _mm256_xor_ps, _mm256_xor_si256, _mm512_abs_ps, _mm512_add_epi32, _mm512_add_pd, _mm512_add_ps,
-        _mm512_and_si512, _mm512_castpd_si512, _mm512_castpd512_pd256, _mm512_castps_si512, _mm512_castsi512_ps, _mm512_cmp_ps_mask, _mm512_cvtepi32_ps,
-        _mm512_cvttps_epi32, _mm512_extractf64x4_pd, _mm512_loadu_pd, _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_max_pd, _mm512_max_ps,
-        _mm512_min_pd, _mm512_min_ps, _mm512_mul_pd, _mm512_mul_ps, _mm512_mulhi_epu16, _mm512_mullo_epi32, _mm512_or_si512, _mm512_permutex2var_epi32,
-        _mm512_permutex2var_ps, _mm512_permutexvar_ps, _mm512_set1_epi16, _mm512_set1_epi32, _mm512_set1_pd, _mm512_set1_ps, _mm512_setr_epi32,
-        _mm512_slli_epi32, _mm512_sqrt_ps, _mm512_srai_epi32, _mm512_srli_epi32, _mm512_storeu_ps, _mm512_storeu_si512, _mm512_sub_epi32, _mm512_sub_pd,
-        _mm512_sub_ps, _mm512_xor_si512,
+        _mm256_add_epi32, _mm256_add_pd, _mm256_add_ps, _mm256_and_ps, _mm256_and_si256, _mm256_blendv_pd, _mm256_blendv_ps, _mm256_broadcastsi128_si256,
+        _mm256_castpd_ps, _mm256_castpd256_pd128, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvtpd_ps,
+        _mm256_cvttps_epi32, _mm256_div_pd, _mm256_extractf128_pd, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_loadu2_m128, _mm256_max_pd,
+        _mm256_max_ps, _mm256_min_pd, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_mulhi_epu16, _mm256_mullo_epi32, _mm256_or_si256,
+        _mm256_permute4x64_epi64, _mm256_permutevar8x32_ps, _mm256_set_m128, _mm256_set1_epi16, _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps,
+        _mm256_shuffle_epi8, _mm256_shuffle_ps, _mm256_slli_epi32, _mm256_sllv_epi32, _mm256_sqrt_pd, _mm256_sqrt_ps, _mm256_srav_epi32, _mm256_srli_epi32,
+        _mm256_srlv_epi32, _mm256_storeu_pd, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_epi32, _mm256_sub_pd, _mm256_sub_ps, _mm256_unpackhi_pd,
+        _mm256_unpacklo_pd, _mm256_xor_ps, _mm256_xor_si256, _mm512_abs_ps, _mm512_add_epi32, _mm512_add_pd, _mm512_add_ps, _mm512_and_si512,
+        _mm512_castpd_si512, _mm512_castpd512_pd256, _mm512_castps_si512, _mm512_castps256_ps512, _mm512_castsi512_ps, _mm512_cmp_pd_mask, _mm512_cmp_ps_mask,
+        _mm512_cvtepi32_ps, _mm512_cvtpd_ps, _mm512_cvttps_epi32, _mm512_div_pd, _mm512_extractf64x4_pd, _mm512_insertf32x8, _mm512_loadu_pd, _mm512_loadu_ps,
+        _mm512_loadu_si512, _mm512_mask_blend_pd, _mm512_mask_blend_ps, _mm512_max_pd, _mm512_max_ps, _mm512_min_pd, _mm512_min_ps, _mm512_mul_pd,
+        _mm512_mul_ps, _mm512_mulhi_epu16, _mm512_mullo_epi32, _mm512_or_si512, _mm512_permutex2var_epi32, _mm512_permutex2var_ps, _mm512_permutexvar_ps,
+        _mm512_set1_epi16, _mm512_set1_epi32, _mm512_set1_pd, _mm512_set1_ps, _mm512_setr_epi32, _mm512_slli_epi32, _mm512_sqrt_pd, _mm512_sqrt_ps,
+        _mm512_srai_epi32, _mm512_srli_epi32, _mm512_storeu_pd, _mm512_storeu_ps, _mm512_storeu_si512, _mm512_sub_epi32, _mm512_sub_pd, _mm512_sub_ps,
+        _mm512_xor_si512,
     },
     ops::{Add, BitAnd, BitOr, BitXor, Mul, Sub},
 };
@@ -130,12 +132,26 @@ impl Lanes for Avx2 {
         fn store_words(self, values: Self::Words, to: &mut [u32]) = _mm256_storeu_si256(to[..8].as_mut_ptr().cast(), values.0);
         fn splat_doubles(self, value: f64) -> Self::Doubles = Vector([_mm256_set1_pd(value); 2]);
         fn load_doubles(self, from: &[f64]) -> Self::Doubles = Vector([_mm256_loadu_pd(from[..4].as_ptr()), _mm256_loadu_pd(from[4..8].as_ptr())]);
+        fn store_doubles(self, values: Self::Doubles, to: &mut [f64]) = {
+            _mm256_storeu_pd(to[..4].as_mut_ptr(), values.0[0]);
+            _mm256_storeu_pd(to[4..8].as_mut_ptr(), values.0[1]);
+        };
+        fn round(self, a: Self::Doubles) -> Self::Floats = Vector(_mm256_set_m128(_mm256_cvtpd_ps(a.0[1]), _mm256_cvtpd_ps(a.0[0])));
+        fn divide_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles = Vector([_mm256_div_pd(a.0[0], b.0[0]), _mm256_div_pd(a.0[1], b.0[1])]);
+        fn sqrt_doubles(self, a: Self::Doubles) -> Self::Doubles = Vector([_mm256_sqrt_pd(a.0[0]), _mm256_sqrt_pd(a.0[1])]);
+        fn smaller_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles = Vector([_mm256_min_pd(b.0[0], a.0[0]), _mm256_min_pd(b.0[1], a.0[1])]);
+        fn larger_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles = Vector([_mm256_max_pd(b.0[0], a.0[0]), _mm256_max_pd(b.0[1], a.0[1])]);
+        fn where_less_doubles(self, a: Self::Doubles, b: Self::Doubles, yes: Self::Doubles, no: Self::Doubles) -> Self::Doubles = Vector([
+            _mm256_blendv_pd(no.0[0], yes.0[0], _mm256_cmp_pd::<_CMP_LT_OQ>(a.0[0], b.0[0])),
+            _mm256_blendv_pd(no.0[1], yes.0[1], _mm256_cmp_pd::<_CMP_LT_OQ>(a.0[1], b.0[1])),
+        ]);
         fn abs(self, a: Self::Floats) -> Self::Floats = Vector(_mm256_and_ps(a.0, _mm256_castsi256_ps(_mm256_set1_epi32(i32::MAX))));
         fn sqrt(self, a: Self::Floats) -> Self::Floats = Vector(_mm256_sqrt_ps(a.0));
         fn smaller(self, a: Self::Floats, b: Self::Floats) -> Self::Floats = Vector(_mm256_min_ps(b.0, a.0));
         fn larger(self, a: Self::Floats, b: Self::Floats) -> Self::Floats = Vector(_mm256_max_ps(b.0, a.0));
         fn where_less(self, a: Self::Floats, b: Self::Floats, yes: Self::Floats, no: Self::Floats) -> Self::Floats
             = Vector(_mm256_blendv_ps(no.0, yes.0, _mm256_cmp_ps::<_CMP_LT_OQ>(a.0, b.0)));
+        fn any_less(self, a: Self::Floats, b: Self::Floats) -> bool = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a.0, b.0)) != 0;
         fn to_words(self, a: Self::Floats) -> Self::Words = Vector(_mm256_castps_si256(a.0));
         fn to_floats(self, a: Self::Words) -> Self::Floats = Vector(_mm256_castsi256_ps(a.0));
         fn shl<const N: u32>(self, a: Self::Words) -> Self::Words = Vector(_mm256_sllv_epi32(a.0, _mm256_set1_epi32(N as i32)));
@@ -218,12 +234,29 @@ impl Lanes for Avx512 {
         fn store_words(self, values: Self::Words, to: &mut [u32]) = _mm512_storeu_si512(to[..16].as_mut_ptr().cast(), values.0);
         fn splat_doubles(self, value: f64) -> Self::Doubles = Vector([_mm512_set1_pd(value); 2]);
         fn load_doubles(self, from: &[f64]) -> Self::Doubles = Vector([_mm512_loadu_pd(from[..8].as_ptr()), _mm512_loadu_pd(from[8..16].as_ptr())]);
+        fn store_doubles(self, values: Self::Doubles, to: &mut [f64]) = {
+            _mm512_storeu_pd(to[..8].as_mut_ptr(), values.0[0]);
+            _mm512_storeu_pd(to[8..16].as_mut_ptr(), values.0[1]);
+        };
+        fn round(self, a: Self::Doubles) -> Self::Floats = {
+            let (low, high) = (_mm512_castps256_ps512(_mm512_cvtpd_ps(a.0[0])), _mm512_cvtpd_ps(a.0[1]));
+            Vector(_mm512_insertf32x8::<1>(low, high))
+        };
+        fn divide_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles = Vector([_mm512_div_pd(a.0[0], b.0[0]), _mm512_div_pd(a.0[1], b.0[1])]);
+        fn sqrt_doubles(self, a: Self::Doubles) -> Self::Doubles = Vector([_mm512_sqrt_pd(a.0[0]), _mm512_sqrt_pd(a.0[1])]);
+        fn smaller_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles = Vector([_mm512_min_pd(b.0[0], a.0[0]), _mm512_min_pd(b.0[1], a.0[1])]);
+        fn larger_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles = Vector([_mm512_max_pd(b.0[0], a.0[0]), _mm512_max_pd(b.0[1], a.0[1])]);
+        fn where_less_doubles(self, a: Self::Doubles, b: Self::Doubles, yes: Self::Doubles, no: Self::Doubles) -> Self::Doubles = Vector([
+            _mm512_mask_blend_pd(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a.0[0], b.0[0]), no.0[0], yes.0[0]),
+            _mm512_mask_blend_pd(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a.0[1], b.0[1]), no.0[1], yes.0[1]),
+        ]);
         fn abs(self, a: Self::Floats) -> Self::Floats = Vector(_mm512_abs_ps(a.0));
         fn sqrt(self, a: Self::Floats) -> Self::Floats = Vector(_mm512_sqrt_ps(a.0));
         fn smaller(self, a: Self::Floats, b: Self::Floats) -> Self::Floats = Vector(_mm512_min_ps(b.0, a.0));
         fn larger(self, a: Self::Floats, b: Self::Floats) -> Self::Floats = Vector(_mm512_max_ps(b.0, a.0));
         fn where_less(self, a: Self::Floats, b: Self::Floats, yes: Self::Floats, no: Self::Floats) -> Self::Floats
             = Vector(_mm512_mask_blend_ps(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a.0, b.0), no.0, yes.0));
+        fn any_less(self, a: Self::Floats, b: Self::Floats) -> bool = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a.0, b.0) != 0;
         fn to_words(self, a: Self::Floats) -> Self::Words = Vector(_mm512_castps_si512(a.0));
         fn to_floats(self, a: Self::Words) -> Self::Floats = Vector(_mm512_castsi512_ps(a.0));
         fn shl<const N: u32>(self, a: Self::Words) -> Self::Words = Vector(_mm512_slli_epi32::<N>(a.0));

@@ -123,7 +123,7 @@ impl<'a> Evaluation<'a> {
     }
 
     /// For positions that are given, of the programme as it is.
-    fn anywhere(isa: Isa, tape: &'a Tape, frame: &'a Frame) -> Self {
+    pub(super) fn anywhere(isa: Isa, tape: &'a Tape, frame: &'a Frame) -> Self {
         let prepared = Prepared::exact(&tape.graph, frame);
         let mut evaluation = Self::prepared(isa, tape, frame, prepared, &[]);
         evaluation.once(1, 1);

@@ -47,7 +47,7 @@ pub use export::{Ground, MAX_SHADER_STEPS, SHADER_FORM, ShaderError, ShaderLangu
 pub use node::{Node, Value};
 pub use operation::{Binary, Operation, Parameter, Signature, Unary};
 pub use reference::Reference;
-pub use tape::Tape;
+pub use tape::{PointTape, Tape};
 
 use std::fmt;
 

@@ -7,7 +7,10 @@ use super::{
     node::Node,
     operation::Unary,
 };
-use crate::{geometry::Window, noise::Isa};
+use crate::{
+    geometry::Window,
+    noise::{Isa, Terrain},
+};
 use std::{collections::BTreeMap, sync::OnceLock};
 
 /// What a value depends on.
@@ -138,6 +141,40 @@ impl Tape {
     pub fn evaluate_on(&self, isa: Isa, frame: &Frame, window: &Window, out: &mut [f32]) -> u64 {
         assert_eq!(out.len(), window.samples(), "one element a sample");
         Evaluation::new(isa, self, frame, window).run(window, out)
+    }
+}
+
+/// A programme compiled for positions that are given one by one.
+///
+/// ```
+/// use terrane::{noise::Isa, programme::{Frame, PointTape, Programme}};
+/// let tape = PointTape::compile(Programme::parse("multiply(2, x)")?.root());
+/// let mut values = [0.0; 2];
+/// tape.evaluate(Isa::active(), &Frame { seed: 7, scale: 1.0, origin: [0.0, 0.0] }, &[3.0, 5.0], &[0.0, 0.0], &mut values);
+/// assert_eq!(values, [6.0, 10.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct PointTape(Tape);
+
+impl PointTape {
+    /// Compiles a programme.
+    ///
+    /// # Panics
+    /// If the node does not come from a [`super::Programme`], which has checked its size.
+    #[must_use]
+    pub fn compile(root: &Node) -> Self {
+        let tape = Graph::simplified(root).map(|graph| Compiler::new(graph, Samples::Anywhere).compile());
+        Self(tape.expect("a programme's size was checked when it was parsed"))
+    }
+
+    /// The programme as it is at positions in programme coordinates; what is not finite is 0.
+    ///
+    /// # Panics
+    /// If there are not as many positions as values.
+    pub fn evaluate(&self, isa: Isa, frame: &Frame, us: &[f64], vs: &[f64], out: &mut [f32]) {
+        assert!(us.len() == out.len() && vs.len() == out.len(), "one value a position");
+        Evaluation::anywhere(isa, &self.0, frame).heights(us, vs, out);
     }
 }
 

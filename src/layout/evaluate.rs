@@ -1,0 +1,325 @@
+//! Layouts over windows: block by block, one search of the tree a block.
+
+use super::{
+    Field, FieldKind, FieldSurface, Layout, LayoutSurface, Role, Selection, Side, TerrainValue, Value,
+    block::{Block, POINTS, SIDE, Values},
+    distance::Distances,
+    kernels::{Add, Input, Merge, Sums},
+    reference::{Stage, stage},
+    term::{Curve, Term, above_zero, lines},
+};
+use crate::{
+    geometry::{Filter, Window},
+    noise::Isa,
+    programme::Tape,
+};
+use std::collections::BTreeMap;
+
+impl Layout {
+    /// The terrain over a window; `base` is the elevation beneath the layout, one a sample row by row from north to south.
+    ///
+    /// # Panics
+    /// If the base has not one elevation a sample.
+    #[must_use]
+    pub fn sample(&self, window: &Window, base: Option<&[f32]>, selection: &Selection) -> LayoutSurface {
+        self.sample_on(Isa::active(), window, base, selection)
+    }
+
+    /// As [`Layout::sample`], on a given instruction set: the same bits, in another time.
+    ///
+    /// # Panics
+    /// If the base has not one elevation a sample.
+    #[must_use]
+    pub fn sample_on(&self, isa: Isa, window: &Window, base: Option<&[f32]>, selection: &Selection) -> LayoutSurface {
+        assert!(base.is_none_or(|base| base.len() == window.samples()), "one elevation a sample");
+        let mut surface = LayoutSurface::new(self, selection, window.samples());
+        let mut evaluation = Evaluation::new(self, isa, window, selection);
+        for row in (0..window.rows.len()).step_by(SIDE) {
+            for column in (0..window.columns.len()).step_by(SIDE) {
+                evaluation.block(window, [row, column]);
+                evaluation.write(window.columns.len(), base, &mut surface);
+            }
+        }
+        surface
+    }
+}
+
+/// One attribute of a set of attributes, for the samples of a window.
+struct Prepared<'a> {
+    term: Term<'a>,
+    field: usize,
+    stage: Stage,
+    /// The lines of a profile.
+    lines: Vec<[f64; 3]>,
+    /// The number of its terrain programme.
+    terrain: Option<usize>,
+}
+
+/// A terrain programme, and its values over the present block.
+struct Terrain<'a> {
+    value: &'a TerrainValue,
+    tape: Tape,
+    heights: Box<Values>,
+    is_filled: bool,
+}
+
+/// A layout and the samples of a window.
+struct Evaluation<'a> {
+    layout: &'a Layout,
+    isa: Isa,
+    window: Window,
+    /// 0 for the function as it is.
+    spacing: f64,
+    selection: &'a Selection,
+    /// Whether a field is wanted.
+    wanted: Vec<bool>,
+    /// By number of the set of attributes; made when they are met.
+    prepared: BTreeMap<u32, Vec<Prepared<'a>>>,
+    terrains: Vec<Terrain<'a>>,
+    block: Block,
+    distances: Distances,
+    sums: BTreeMap<(usize, Stage), Sums>,
+    /// Room of sums that were used.
+    spare: Vec<Box<Values>>,
+    found: Vec<u32>,
+    /// Values of expressions.
+    custom: Box<Values>,
+    values: Box<Values>,
+    floats: Vec<f32>,
+    positions: Vec<f64>,
+}
+
+impl<'a> Evaluation<'a> {
+    fn new(layout: &'a Layout, isa: Isa, window: &Window, selection: &'a Selection) -> Self {
+        let is_wanted = |(i, field): (usize, &Field)| matches!(&*field.name, "elevation" | "water_depth") || selection.fields.contains(&i);
+        Self {
+            layout,
+            isa,
+            window: *window,
+            spacing: if window.filter == Filter::Band { window.spacing() } else { 0.0 },
+            selection,
+            wanted: layout.fields.iter().enumerate().map(is_wanted).collect(),
+            prepared: BTreeMap::new(),
+            terrains: Vec::new(),
+            block: Block::new(),
+            distances: Distances::new(),
+            sums: BTreeMap::new(),
+            spare: Vec::new(),
+            found: Vec::new(),
+            custom: Values::new(0.0),
+            values: Values::new(0.0),
+            floats: vec![0.0; POINTS],
+            positions: vec![0.0; POINTS],
+        }
+    }
+
+    /// Sums up what all features say over a block.
+    fn block(&mut self, window: &Window, first: [usize; 2]) {
+        self.block.go(window, first);
+        for (_, sums) in std::mem::take(&mut self.sums) {
+            self.spare.extend(sums.values.into_iter().chain([sums.weight, sums.most]));
+        }
+        for terrain in &mut self.terrains {
+            terrain.is_filled = false;
+        }
+        let mut found = std::mem::take(&mut self.found);
+        self.layout.find(&self.block.rectangle(0, POINTS), &mut found);
+        for &number in &found {
+            self.feature(number as usize);
+        }
+        self.found = found;
+    }
+
+    fn feature(&mut self, number: usize) {
+        let (layout, set) = (self.layout, self.layout.sets[number]);
+        if !self.prepared.contains_key(&set) {
+            let prepared = self.prepare(number);
+            self.prepared.insert(set, prepared);
+        }
+        let Some(prepared) = self.prepared.remove(&set) else { return };
+        if !prepared.is_empty() {
+            self.distances.find(self.isa, &self.block, &layout.features[number], layout.runs.get(&(number as u32)).map(|runs| &**runs), self.spacing);
+            if !self.distances.parts.is_empty() {
+                for attribute in &prepared {
+                    self.add(attribute);
+                }
+            }
+        }
+        self.prepared.insert(set, prepared);
+    }
+
+    /// The attributes of a feature that are wanted.
+    fn prepare(&mut self, number: usize) -> Vec<Prepared<'a>> {
+        let layout = self.layout;
+        let mut prepared = Vec::new();
+        for attribute in layout.features[number].attributes().iter() {
+            let field = layout.field(&attribute.name);
+            let term = Term::new(attribute, self.spacing);
+            if !self.wanted[field] || term.gain == 0.0 {
+                continue;
+            }
+            let lines = if let Value::Profile(pairs) = &attribute.value { lines(pairs).collect() } else { Vec::new() };
+            let terrain = if let Value::Terrain(value) = &attribute.value { Some(self.terrain(value)) } else { None };
+            let stage = stage(&layout.fields[field], attribute);
+            prepared.push(Prepared { term, field, stage, lines, terrain });
+        }
+        prepared
+    }
+
+    fn terrain(&mut self, value: &'a TerrainValue) -> usize {
+        let known = self.terrains.iter().position(|terrain| std::ptr::eq(terrain.value, value));
+        known.unwrap_or_else(|| {
+            let tape = Tape::compile(value.programme.root());
+            self.terrains.push(Terrain { value, tape, heights: Values::new(0.0), is_filled: false });
+            self.terrains.len() - 1
+        })
+    }
+
+    /// Adds what an attribute says to the sums of its stage.
+    fn add(&mut self, attribute: &Prepared<'a>) {
+        let term = &attribute.term;
+        let components = if let Stage::Name(_) = attribute.stage { 0 } else { self.layout.fields[attribute.field].kind.components() };
+        self.fill_expressions(term);
+        if let Some(terrain) = attribute.terrain {
+            self.fill_terrain(terrain);
+        }
+        let spare = &mut self.spare;
+        let mut room = || {
+            let mut values = spare.pop().unwrap_or_else(|| Values::new(0.0));
+            values.0.fill(0.0);
+            values
+        };
+        let sums = self.sums.entry((attribute.field, attribute.stage));
+        let sums = sums.or_insert_with(|| Sums { weight: room(), values: (0..components).map(|_| room()).collect(), most: room() });
+        let input = match &term.attribute.value {
+            Value::Shape => Input::Elevation,
+            Value::Number(number) => Input::Numbers(std::slice::from_ref(number)),
+            Value::Vector(numbers) => Input::Numbers(numbers),
+            Value::Name(_) => Input::Name,
+            Value::Profile(pairs) => Input::Profile(pairs[0][1], &attribute.lines),
+            Value::Expression(_) => Input::Values(&self.values),
+            Value::Terrain(value) => Input::Terrain(&self.terrains[attribute.terrain.unwrap_or(0)].heights, [value.datum, value.amplitude], value.over_shape),
+        };
+        let custom = matches!(term.curve, Curve::Custom { .. }).then_some(&*self.custom);
+        let Distances { signed, elevation, parts, .. } = &self.distances;
+        self.isa.run(Add { term, signed, elevation, parts, custom, input, upper: matches!(attribute.stage, Stage::Level(1..)), sums });
+    }
+
+    /// Evaluates the expressions of an attribute over the parts that the feature reaches.
+    fn fill_expressions(&mut self, term: &Term) {
+        if let Curve::Custom { expression, .. } = term.curve {
+            let half_width = if let Role::Channel { half_width } = term.attribute.role { half_width } else { 0.0 };
+            let side = term.attribute.side;
+            let distance = |signed: f64| {
+                let d = match side {
+                    Side::Inside => above_zero(signed),
+                    Side::Outside => above_zero(-signed),
+                    Side::Edge => signed.abs(),
+                };
+                above_zero(d - half_width)
+            };
+            fill(self.isa, expression, &self.distances, distance, [&mut self.positions, &mut self.custom.0], &mut self.floats);
+        }
+        if let Value::Expression(expression) = &term.attribute.value {
+            fill(self.isa, expression, &self.distances, |signed| signed, [&mut self.positions, &mut self.values.0], &mut self.floats);
+        }
+    }
+
+    /// Evaluates a terrain programme over the block, unless that was done.
+    fn fill_terrain(&mut self, number: usize) {
+        let terrain = &mut self.terrains[number];
+        if std::mem::replace(&mut terrain.is_filled, true) {
+            return;
+        }
+        let ([rows, columns], first) = (self.block.size, self.block.first);
+        let window = self.window.part([first[0], rows], [first[1], columns]);
+        let out = &mut self.floats[..rows * columns];
+        terrain.tape.evaluate_on(self.isa, &terrain.value.frame, &window, out);
+        for (i, height) in terrain.heights.0.iter_mut().enumerate() {
+            let [row, column] = super::block::place(i);
+            *height = out[row.min(rows - 1) * columns + column.min(columns - 1)].into();
+        }
+    }
+
+    /// Merges the sums and writes the block into a surface.
+    fn write(&mut self, columns: usize, base: Option<&[f32]>, surface: &mut LayoutSurface) {
+        let [elevation, depth] = ["elevation", "water_depth"].map(|name| self.layout.field(name));
+        let mut ground = Values::new(0.0);
+        if let Some(base) = base {
+            for (i, place) in self.block.places(columns) {
+                ground.0[i] = base[place].into();
+            }
+        }
+        self.merge(elevation, 0, base.is_some(), &mut ground);
+        let mut water = Values::new(0.0);
+        self.merge(depth, 0, true, &mut water);
+        for (i, place) in self.block.places(columns) {
+            let depth = above_zero(water.0[i]);
+            let height = ground.0[i] - depth;
+            let sea = self.layout.options.sea_level.map_or(0.0, |level| level - height);
+            surface.elevation[place] = height as f32;
+            surface.water_depth[place] = (if sea > depth { sea } else { depth }) as f32;
+        }
+        for (out, &field) in surface.fields.iter_mut().zip(&self.selection.fields) {
+            match (out, &self.layout.fields[field].kind) {
+                (FieldSurface::Numbers(out), FieldKind::Numbers(components)) => self.write_numbers(field, *components, columns, out),
+                (FieldSurface::Names { heaviest, fractions }, FieldKind::Names(names)) => self.write_names(field, names.len(), columns, heaviest, fractions),
+                _ => {}
+            }
+        }
+    }
+
+    /// Merges one component over what is below.
+    fn merge(&self, field: usize, component: usize, below: bool, values: &mut Values) {
+        let stages = self.sums.range((field, Stage::Level(0))..(field + 1, Stage::Level(0)));
+        let stages: Vec<(bool, &Sums)> = stages.map(|(&(_, stage), sums)| (matches!(stage, Stage::Level(1..)), sums)).collect();
+        self.isa.run(Merge { stages: &stages, component, mix: self.layout.options.mix, below, values });
+    }
+
+    fn write_numbers(&self, field: usize, components: usize, columns: usize, out: &mut [f32]) {
+        let defaults = self.layout.options.defaults.get(&*self.layout.fields[field].name);
+        for k in 0..components {
+            let mut values = Values::new(defaults.map_or(0.0, |values| values[k]));
+            self.merge(field, k, defaults.is_some(), &mut values);
+            for (i, place) in self.block.places(columns) {
+                out[place * components + k] = values.0[i] as f32;
+            }
+        }
+    }
+
+    fn write_names(&self, field: usize, count: usize, columns: usize, heaviest: &mut [u16], fractions: &mut [f32]) {
+        let stages = self.sums.range((field, Stage::Level(0))..(field + 1, Stage::Level(0)));
+        let names: Vec<(usize, &Values)> =
+            stages.filter_map(|(&(_, stage), sums)| if let Stage::Name(name) = stage { Some((name, &*sums.weight)) } else { None }).collect();
+        for (i, place) in self.block.places(columns) {
+            let (mut most, mut total) = (0.0, 0.0);
+            for &(name, weights) in &names {
+                let weight = weights.0[i];
+                total += weight;
+                if weight > most {
+                    (most, heaviest[place]) = (weight, name as u16 + 1);
+                }
+            }
+            if total > 0.0 && !fractions.is_empty() {
+                for &(name, weights) in &names {
+                    fractions[place * count + name] = (weights.0[i] / total) as f32;
+                }
+            }
+        }
+    }
+}
+
+/// Evaluates an expression in a function of the signed distance over the parts that a feature reaches.
+fn fill(isa: Isa, expression: &super::Expression, distances: &Distances, function: impl Fn(f64) -> f64, [positions, out]: [&mut [f64]; 2], floats: &mut [f32]) {
+    for &[start, count] in &distances.parts {
+        let range = start..start + count;
+        let (positions, floats) = (&mut positions[..count], &mut floats[..count]);
+        for (position, &signed) in positions.iter_mut().zip(&distances.signed.0[range.clone()]) {
+            *position = function(signed);
+        }
+        expression.fill(isa, positions, floats);
+        for (out, &value) in out[range].iter_mut().zip(&*floats) {
+            *out = value.into();
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! What a layout evaluates to.
+
+use super::{FieldKind, Layout};
+
+/// What is wanted beside elevation and depth of water.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Selection {
+    /// Numbers of the fields ([`Layout::fields`]), ascending.
+    pub fields: Vec<usize>,
+    /// Whether the shares of all names are wanted beside the heaviest name.
+    pub fractions: bool,
+}
+
+impl Layout {
+    /// Every field with its fractions.
+    #[must_use]
+    pub fn everything(&self) -> Selection {
+        let own = |name: &str| !matches!(name, "elevation" | "water_depth");
+        Selection { fields: (0..self.fields.len()).filter(|&i| own(&self.fields[i].name)).collect(), fractions: true }
+    }
+}
+
+/// The terrain over a window, row by row from north to south.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayoutSurface {
+    /// Elevation of the ground in metres.
+    pub elevation: Vec<f32>,
+    /// Metres of water above the ground.
+    pub water_depth: Vec<f32>,
+    /// The fields that were selected, in their order.
+    pub fields: Vec<FieldSurface>,
+}
+
+/// One field over a window.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FieldSurface {
+    /// Numbers, all components of a sample together.
+    Numbers(Vec<f32>),
+    /// Names.
+    Names {
+        /// 0 where no feature says anything, else one more than the number of the heaviest name; of equal weights the lexically first.
+        heaviest: Vec<u16>,
+        /// The share of every name, all of a sample together, summing to 1 or 0; empty if not selected.
+        fractions: Vec<f32>,
+    },
+}
+
+impl LayoutSurface {
+    pub(super) fn new(layout: &Layout, selection: &Selection, samples: usize) -> Self {
+        let field = |&i: &usize| match &layout.fields[i].kind {
+            FieldKind::Numbers(components) => FieldSurface::Numbers(vec![0.0; samples * components]),
+            FieldKind::Names(names) => {
+                let fractions = if selection.fractions { samples * names.len() } else { 0 };
+                FieldSurface::Names { heaviest: vec![0; samples], fractions: vec![0.0; fractions] }
+            }
+        };
+        Self { elevation: vec![0.0; samples], water_depth: vec![0.0; samples], fields: selection.fields.iter().map(field).collect() }
+    }
+}
