@@ -19,7 +19,7 @@ use core::f64::consts::PI;
 pub(crate) const SIDE: usize = 4;
 
 /// Values that stand for what is left out of a noise: those of the parts of a sample, row by row.
-pub(crate) type Draws = [f32; SIDE * SIDE];
+pub type Draws = [f32; SIDE * SIDE];
 
 impl Field {
     /// What the parts of a sample add to [`Field::banded`] of the same shape, basis and spacing; `None` where nothing is left out. Octave k is drawn in the order of
@@ -69,6 +69,11 @@ pub(crate) fn wave_draws(length: f64, spacing: f64, order: usize) -> Option<(f32
     let end = |i: usize| libm::cos(PI * (i as f64 / PARTS as f64 - 0.5));
     let sixteenth = |i: usize| (end(i) - end(i + 1)) * PARTS as f64 / PI;
     Some((carried as f32, core::array::from_fn(|part| (left * sixteenth(usize::from(ORDERS[order % ORDERS.len()][part]))) as f32)))
+}
+
+/// Sixteenths in the order of a number.
+pub(super) fn ordered(sixteenths: &Draws, order: usize) -> Draws {
+    ORDERS[order % ORDERS.len()].map(|i| sixteenths[usize::from(i)])
 }
 
 /// The means of the sixteenths of a noise's distribution, ascending.

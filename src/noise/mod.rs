@@ -37,7 +37,8 @@ mod x86;
 
 pub use basis::Basis;
 pub use cellular::{Feature, Metric};
-pub(crate) use draws::{Draws, SIDE, wave_draws};
+pub use draws::Draws;
+pub(crate) use draws::{SIDE, wave_draws};
 pub use field::Field;
 pub use hash::{key, mix};
 pub use isa::{Isa, Kernel};
@@ -45,7 +46,7 @@ pub use lanes::Lanes;
 pub use moments::Moments;
 pub use rows::Rows;
 pub use shape::FieldShape;
-pub use valleys::{Erosion, Terrain, Valleys};
+pub use valleys::{Erosion, Stead, Terrain, Valleys};
 
 #[cfg(test)]
 pub(crate) mod tests;

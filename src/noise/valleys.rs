@@ -6,7 +6,12 @@
 //!
 //! Lengths are measured in pitches (the side of a lattice's cell), so that far from the origin nothing is lost: only the heights of nodes need their positions.
 
-use super::{Isa, Kernel, Lanes, field::carried, hash};
+use super::{
+    Isa, Kernel, Lanes,
+    draws::{self, Draws, SIDE},
+    field::carried,
+    hash,
+};
 use std::collections::BTreeMap;
 
 /// Heights of a terrain anywhere.
@@ -112,6 +117,34 @@ const MEAN_CUTS: [&[[f64; 2]]; MAX_LEVELS] = [
 const LOOKS: i64 = 6;
 const LOOK_EVERY: f64 = 4.0;
 
+/// What stands for valleys that samples cannot carry.
+#[derive(Clone, Copy, Debug)]
+pub struct Stead {
+    /// The mean slope of the coarsest network, a pitch: [`Valleys::mean_slope`].
+    pub mean_slope: f32,
+    /// The least height that they may lower the terrain to.
+    pub floor: f32,
+    /// What part of the mean lowering counts in each part of a sample, where samples are cut into parts: on average 1.
+    pub swings: Option<Draws>,
+}
+
+impl Stead {
+    /// Where all valleys are carried.
+    pub const NONE: Self = Self { mean_slope: 0.0, floor: f32::MIN, swings: None };
+
+    /// The lowering as parts of samples see it: the sixteenths of its distribution, in an order for each `number`.
+    #[must_use]
+    pub fn swings(number: usize) -> Draws {
+        draws::ordered(&SWINGS, FIRST_ORDER + number)
+    }
+}
+
+/// The sixteenths of what valleys lower a terrain by, over the mean: rounded from networks of two and three lattices on fBm, of depth 0.4 and 0.7.
+const SWINGS: Draws = [0.02, 0.10, 0.19, 0.28, 0.37, 0.46, 0.55, 0.64, 0.74, 0.86, 0.99, 1.15, 1.37, 1.68, 2.25, 4.35];
+
+/// The order of the first erosion's swings: one that few programmes have noises enough to reach.
+const FIRST_ORDER: usize = 9;
+
 /// A terrain with its valleys. Nodes once found are kept, in bounded numbers; what is kept changes no value.
 pub struct Valleys {
     isa: Isa,
@@ -121,15 +154,18 @@ pub struct Valleys {
     parts: Vec<[f32; 2]>,
     /// What all are lowered by in place of levels that nothing is left of.
     lowering: f32,
-    scratch: Vec<f32>,
+    floor: f32,
+    swings: Option<Draws>,
+    /// Heights as they were, and what they are lowered by for levels that are left out.
+    scratch: [Vec<f32>; 2],
 }
 
 impl Valleys {
     /// Valleys for samples `spacing` programme units apart: lattices whose pitch is below four spacings fade, to be gone at two. 0 keeps them all.
     ///
-    /// What is left out still lowers the land, by its mean: the slopes of the finest network that is kept say where; once there is none, that is `mean_slope`.
+    /// What is left out still lowers the land, by its mean: the slopes of the finest network that is kept say where; once there is none, those of `stead`.
     #[must_use]
-    pub fn new(isa: Isa, erosion: &Erosion, key: u64, spacing: f64, mean_slope: f32) -> Self {
+    pub fn new(isa: Isa, erosion: &Erosion, key: u64, spacing: f64, stead: &Stead) -> Self {
         let carried = |number| if spacing > 0.0 { erosion.carried(number, spacing) } else { 1.0 };
         let kept = (0..erosion.count()).take_while(|&number| carried(number) > 0.0).count();
         let (mut levels, mut parts) = (Vec::<Level>::new(), Vec::new());
@@ -156,11 +192,11 @@ impl Valleys {
                 parts[finest][1] += part * left_out(number, finest);
             }
             match finest {
-                0 => lowering += (1.0 - part) * left_out(number, 0) * mean_slope,
+                0 => lowering += (1.0 - part) * left_out(number, 0) * stead.mean_slope,
                 _ => parts[finest - 1][1] += (1.0 - part) * left_out(number, finest - 1),
             }
         }
-        Self { isa, strength: erosion.strength as f32, levels, parts, lowering, scratch: Vec::new() }
+        Self { isa, strength: erosion.strength as f32, levels, parts, lowering, floor: stead.floor, swings: stead.swings, scratch: [Vec::new(), Vec::new()] }
     }
 
     /// The mean slope of the coarsest network, a pitch, over 36 places of 24 × 24 programme units around the origin.
@@ -176,23 +212,36 @@ impl Valleys {
         (sum / (LOOKS * LOOKS) as f64) as f32
     }
 
-    /// Whether samples `spacing` programme units apart need the mean slope.
+    /// Whether samples `spacing` programme units apart need the mean slope of the coarsest network.
     #[must_use]
     pub fn needs_mean(erosion: &Erosion, spacing: f64) -> bool {
         spacing > 0.0 && erosion.carried(0, spacing) < 1.0
     }
 
     /// Turns the heights of the terrain at programme coordinates into eroded ones. `terrain` gives the terrain as it is, unfiltered: the network must not change with
-    /// the samples.
-    pub fn carve(&mut self, terrain: &mut impl Terrain, us: &[f64], vs: &[f64], heights: &mut [f32]) {
-        self.scratch.clear();
-        self.scratch.extend_from_slice(heights);
+    /// the samples. Where samples are cut into parts, the first height is that of the part of that number, and the others follow it to the east.
+    pub fn carve(&mut self, terrain: &mut impl Terrain, us: &[f64], vs: &[f64], heights: &mut [f32], part: usize) {
+        let [mut before, mut lowering] = std::mem::take(&mut self.scratch);
+        before.clear();
+        before.extend_from_slice(heights);
+        lowering.clear();
+        lowering.resize(heights.len(), self.lowering);
         for number in 0..self.levels.len() {
-            carve(self.isa, &mut self.levels[..=number], terrain, us, vs, heights, self.parts[number]);
+            carve(self.isa, &mut self.levels[..=number], terrain, us, vs, [heights, &mut lowering], self.parts[number]);
         }
-        for (height, &before) in heights.iter_mut().zip(&self.scratch) {
-            *height = before + self.strength * ((*height - before) - self.lowering);
+        for (i, (height, (&before, &lowering))) in heights.iter_mut().zip(before.iter().zip(&lowering)).enumerate() {
+            let carved = before + self.strength * (*height - before);
+            *height = if lowering == 0.0 {
+                carved
+            } else {
+                let swing = self.swings.map_or(1.0, |swings| swings[part + i % SIDE]);
+                let lowered = carved - self.strength * swing * lowering;
+                // Never up, where the floor is above what is carved by a rounding.
+                let floor = if self.floor < carved { self.floor } else { carved };
+                if lowered < floor { floor } else { lowered }
+            };
         }
+        self.scratch = [before, lowering];
     }
 }
 
@@ -268,8 +317,9 @@ impl Level {
     }
 }
 
-/// Carves the last of the levels into heights that have the others already: by how much of it, and by what follows from its slopes for levels that are left out.
-fn carve(isa: Isa, levels: &mut [Level], terrain: &mut impl Terrain, us: &[f64], vs: &[f64], heights: &mut [f32], [part, faded]: [f32; 2]) {
+/// Carves the last of the levels into heights that have the others already, by how much of it; and adds to the lowering what follows from its slopes for levels that are
+/// left out.
+fn carve(isa: Isa, levels: &mut [Level], terrain: &mut impl Terrain, us: &[f64], vs: &[f64], [heights, lowering]: [&mut [f32]; 2], [part, faded]: [f32; 2]) {
     let Some((level, coarser)) = levels.split_last_mut() else { return };
     let mut locals = [[0.0_f32; CHUNK]; 2];
     let mut start = 0;
@@ -304,6 +354,7 @@ fn carve(isa: Isa, levels: &mut [Level], terrain: &mut impl Terrain, us: &[f64],
             xs: &locals[0][..count],
             ys: &locals[1][..count],
             heights: &mut heights[start..start + count],
+            lowering: &mut lowering[start..start + count],
             cut,
             part,
             faded,
@@ -316,8 +367,9 @@ fn carve(isa: Isa, levels: &mut [Level], terrain: &mut impl Terrain, us: &[f64],
 /// The heights of the terrain with all of these levels carved.
 fn heights(isa: Isa, levels: &mut [Level], terrain: &mut impl Terrain, us: &[f64], vs: &[f64], out: &mut [f32]) {
     terrain.heights(us, vs, out);
+    let mut lowering = vec![0.0; out.len()];
     for number in 0..levels.len() {
-        carve(isa, &mut levels[..=number], terrain, us, vs, out, [1.0, 0.0]);
+        carve(isa, &mut levels[..=number], terrain, us, vs, [out, &mut lowering], [1.0, 0.0]);
     }
 }
 
@@ -432,6 +484,7 @@ struct Carve<'a> {
     xs: &'a [f32],
     ys: &'a [f32],
     heights: &'a mut [f32],
+    lowering: &'a mut [f32],
     cut: f32,
     part: f32,
     faded: f32,
@@ -445,8 +498,9 @@ impl Kernel for Carve<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) {
-        let Self { around, xs, ys, heights, cut, part, faded } = self;
-        for ((xs, ys), heights) in xs.chunks(GROUP).zip(ys.chunks(GROUP)).zip(heights.chunks_mut(GROUP)) {
+        let Self { around, xs, ys, heights, lowering, cut, part, faded } = self;
+        let results = heights.chunks_mut(GROUP).zip(lowering.chunks_mut(GROUP));
+        for ((xs, ys), (heights, lowering)) in xs.chunks(GROUP).zip(ys.chunks(GROUP)).zip(results) {
             let (mut x, mut y, mut height) = ([xs[0]; GROUP], [ys[0]; GROUP], [heights[0]; GROUP]);
             x[..xs.len()].copy_from_slice(xs);
             y[..ys.len()].copy_from_slice(ys);
@@ -454,7 +508,10 @@ impl Kernel for Carve<'_> {
             let slope = around.slopes(&x, &y);
             let lowest = around.lowest(&x, &y, &height, &slope.map(|slope| cut * slope));
             for i in 0..GROUP {
-                height[i] = (height[i] + part * (lowest[i] - height[i])) - faded * slope[i];
+                height[i] += part * (lowest[i] - height[i]);
+            }
+            for (lowering, slope) in lowering.iter_mut().zip(slope) {
+                *lowering += faded * slope;
             }
             let count = heights.len();
             heights.copy_from_slice(&height[..count]);
@@ -540,7 +597,7 @@ mod tests {
         let mut ground = ground();
         let mut heights = vec![0.0; us.len()];
         ground.heights(us, vs, &mut heights);
-        valleys.carve(&mut ground, us, vs, &mut heights);
+        valleys.carve(&mut ground, us, vs, &mut heights, 0);
         heights
     }
 
@@ -555,9 +612,9 @@ mod tests {
     fn a_place_has_one_height() {
         for (around, spacing) in [(0.3, 0.004), (-5.0, 0.31), (3e7, 0.02), (1e12, 1e9)] {
             let (us, vs) = places(around, spacing);
-            let all = eroded(&mut Valleys::new(Isa::Baseline, &EROSION, 5, 0.0, 0.0), &us, &vs);
+            let all = eroded(&mut Valleys::new(Isa::Baseline, &EROSION, 5, 0.0, &Stead::NONE), &us, &vs);
             for isa in Isa::ALL {
-                let mut valleys = Valleys::new(isa, &EROSION, 5, 0.0, 0.0);
+                let mut valleys = Valleys::new(isa, &EROSION, 5, 0.0, &Stead::NONE);
                 let (back_us, back_vs): (Vec<f64>, Vec<f64>) = (us.iter().rev().copied().collect(), vs.iter().rev().copied().collect());
                 let back = eroded(&mut valleys, &back_us, &back_vs);
                 assert!(back.iter().rev().zip(&all).all(|(a, b)| a.to_bits() == b.to_bits()), "{isa:?} {around} {spacing}");
@@ -574,7 +631,7 @@ mod tests {
     fn valleys_are_those_of_every_link_around() {
         let (us, vs) = places(0.7, 0.021);
         let erosion = Erosion { octaves: 1.0, ..EROSION };
-        let got = eroded(&mut Valleys::new(Isa::active(), &erosion, 5, 0.0, 0.0), &us, &vs);
+        let got = eroded(&mut Valleys::new(Isa::active(), &erosion, 5, 0.0, &Stead::NONE), &us, &vs);
         let (pitch, cut) = erosion.level(0);
         let level = Level::new(5, 0, pitch, cut as f32, 1.0);
         let mut ground = ground();
@@ -629,12 +686,12 @@ mod tests {
         let (us, vs) = places(0.0, 0.05);
         let mut before = vec![0.0; us.len()];
         ground().heights(&us, &vs, &mut before);
-        let after = eroded(&mut Valleys::new(Isa::active(), &EROSION, 5, 0.0, 0.0), &us, &vs);
+        let after = eroded(&mut Valleys::new(Isa::active(), &EROSION, 5, 0.0, &Stead::NONE), &us, &vs);
         let [low, high] = ground().0.range();
         assert!(before.iter().zip(&after).all(|(before, after)| after <= before));
         assert!(after.iter().all(|&height| height >= low - (high - low) * EROSION.greatest_cut() as f32));
         let mut flat = vec![0.25; us.len()];
-        Valleys::new(Isa::active(), &EROSION, 5, 0.0, 0.0).carve(&mut Flat, &us, &vs, &mut flat);
+        Valleys::new(Isa::active(), &EROSION, 5, 0.0, &Stead::NONE).carve(&mut Flat, &us, &vs, &mut flat, 0);
         assert!(flat.iter().all(|&height| height == 0.25));
     }
 
@@ -646,13 +703,31 @@ mod tests {
         let (us, vs): (Vec<f64>, Vec<f64>) = (0..side * side).map(|i| (at(i % side), at(i / side))).unzip();
         let mean_slope = Valleys::mean_slope(Isa::active(), &EROSION, 5, &mut ground());
         let mean = |spacing: f64| {
-            let heights = eroded(&mut Valleys::new(Isa::active(), &EROSION, 5, spacing, mean_slope), &us, &vs);
+            let heights = eroded(&mut Valleys::new(Isa::active(), &EROSION, 5, spacing, &Stead { mean_slope, ..Stead::NONE }), &us, &vs);
             heights.iter().map(|&h| f64::from(h)).sum::<f64>() / heights.len() as f64
         };
         let [low, high] = ground().0.range();
         let amplitude = f64::from(high - low) / 2.0;
         let means: Vec<f64> = [0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32].map(mean).to_vec();
         assert!(means.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.008 * amplitude), "{means:?}");
+    }
+
+    /// What stands for valleys swings around its mean, never lower than the floor and never up.
+    #[test]
+    fn what_stands_for_valleys_swings_and_keeps_its_floor() {
+        let swings = Stead::swings(0);
+        assert!((swings.iter().sum::<f32>() / 16.0 - 1.0).abs() < 1e-3);
+        let lowered = |floor: f32| {
+            let stead = Stead { mean_slope: 0.5, floor, swings: Some(swings) };
+            let (us, vs, mut heights) = ([0.0; 4], [0.0; 4], [1.0; 4]);
+            Valleys::new(Isa::active(), &EROSION, 5, 10.0, &stead).carve(&mut Flat, &us, &vs, &mut heights, 4);
+            heights
+        };
+        let free = lowered(f32::MIN);
+        let ratio = (1.0 - free[1]) / (1.0 - free[2]);
+        assert!(free.iter().all(|&height| height < 1.0) && (ratio * swings[6] / swings[5] - 1.0).abs() < 1e-3, "{free:?}");
+        assert!(lowered(0.99).iter().zip(free).all(|(&height, free)| height == free.max(0.99)));
+        assert_eq!(lowered(2.0), [1.0; 4]);
     }
 
     /// Writes [`MEAN_CUTS`]: `cargo test --release --lib the_mean_cuts -- --ignored --nocapture`.
@@ -689,15 +764,13 @@ mod tests {
         let mean = |heights: &[f32]| heights.iter().map(|&h| f64::from(h)).sum::<f64>() / heights.len() as f64;
         let mut heights = vec![0.0; us.len()];
         ground.heights(&us, &vs, &mut heights);
-        let mut valleys = Valleys::new(Isa::active(), erosion, key, 0.0, 0.0);
+        let mut valleys = Valleys::new(Isa::active(), erosion, key, 0.0, &Stead::NONE);
         let (mut cuts, mut slopes) = ([0.0; MAX_LEVELS], [0.0; MAX_LEVELS]);
         for number in 0..MAX_LEVELS {
             let (before, pitch) = (heights.clone(), valleys.levels[number].pitch);
-            carve(Isa::active(), &mut valleys.levels[..=number], ground, &us, &vs, &mut heights, [1.0, 0.0]);
-            // With nothing cut, what is left are the slopes.
-            let mut sloped = before.clone();
-            carve(Isa::active(), &mut valleys.levels[..=number], ground, &us, &vs, &mut sloped, [0.0, 1.0]);
-            (cuts[number], slopes[number]) = ((mean(&before) - mean(&heights)) / pitch, (mean(&before) - mean(&sloped)) / pitch);
+            let mut slope = vec![0.0; us.len()];
+            carve(Isa::active(), &mut valleys.levels[..=number], ground, &us, &vs, [&mut heights, &mut slope], [1.0, 1.0]);
+            (cuts[number], slopes[number]) = ((mean(&before) - mean(&heights)) / pitch, mean(&slope) / pitch);
         }
         core::array::from_fn(|k| core::array::from_fn(|by| cuts[k] / slopes[by]))
     }

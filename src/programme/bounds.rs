@@ -55,6 +55,15 @@ pub(super) fn ranges(graph: &Graph, fields: &[Field]) -> Vec<Range> {
     ranges
 }
 
+/// Bounds the values of an erosion of the exact programme from below, wherever it is evaluated; upwards to twelve bits, so that it is the same with and without
+/// simplification, whose ranges differ by roundings.
+pub(super) fn erosion_floor(graph: &Graph, number: usize) -> f32 {
+    let [low, high] = ranges(graph, &fields(graph, 0, 0.0))[graph.erosions[number].of];
+    let floor = (low - (high - low) * graph.erosions[number].erosion.greatest_cut()).max(-MAX) as f32;
+    let towards_0 = f32::from_bits(floor.to_bits() & !0xfff);
+    if towards_0 < floor { f32::from_bits(towards_0.to_bits() + 0x1000) } else { towards_0 }
+}
+
 /// A range with room for the rounding of f32; with 0 in it where a result may not be finite, for that becomes 0.
 fn outward([low, high]: Range) -> Range {
     // One operation errs by 2^-24 of the result and by 2^-149; pow and the like by little more.

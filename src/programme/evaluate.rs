@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     geometry::{Filter, Window},
-    noise::{Field, Isa, Rows, Terrain, Valleys},
+    noise::{Field, Isa, Rows, SIDE, Stead, Terrain, Valleys},
 };
 
 /// Samples a block: registers of a typical programme stay within the first-level cache.
@@ -98,6 +98,27 @@ impl Terrain for Evaluation<'_> {
 }
 
 impl Tape {
+    /// What stands for the valleys of an erosion that samples cannot carry. Erosions of one `seed=` swing together.
+    pub(super) fn stead(&self, number: usize, prepared: &Prepared) -> Stead {
+        if prepared.spacing <= 0.0 {
+            return Stead::NONE;
+        }
+        let erosions = &self.graph.erosions;
+        let needed = Valleys::needs_mean(&erosions[number].erosion, prepared.spacing);
+        let mut lattices = Vec::new();
+        for eroded in &erosions[..=number] {
+            if !lattices.contains(&eroded.lattices) {
+                lattices.push(eroded.lattices);
+            }
+        }
+        let order = lattices.iter().position(|&lattices| lattices == erosions[number].lattices).unwrap_or(0);
+        Stead {
+            mean_slope: if needed { self.network_slopes()[number] } else { 0.0 },
+            floor: bounds::erosion_floor(&self.graph, number),
+            swings: (prepared.subsamples == SIDE).then(|| Stead::swings(order)),
+        }
+    }
+
     /// The mean slope of the coarsest network of every erosion, for a seed of 0: what stands for valleys that are too far away to be seen at all.
     pub(super) fn network_slopes(&self) -> &[f32] {
         const FRAME: Frame = Frame { seed: 0, scale: 1.0, origin: [0.0; 2] };
@@ -134,8 +155,7 @@ impl<'a> Evaluation<'a> {
         let grids: Vec<Vec<f64>> = tape.grids.iter().map(|[du, _]| columns.iter().map(|u| u + du).collect()).collect();
         let noise_rows = tape.noise_rows.iter().map(|&(noise, grid)| prepared.fields[noise].rows_on(isa, &grids[grid])).collect();
         let eroding = |(number, (eroded, terrain)): (usize, (&Eroded, &'a Tape))| {
-            let mean_slope = if Valleys::needs_mean(&eroded.erosion, prepared.spacing) { tape.network_slopes()[number] } else { 0.0 };
-            let valleys = Valleys::new(isa, &eroded.erosion, eroded.lattices.key(frame.seed), prepared.spacing, mean_slope);
+            let valleys = Valleys::new(isa, &eroded.erosion, eroded.lattices.key(frame.seed), prepared.spacing, &tape.stead(number, &prepared));
             Eroding { valleys, terrain: Self::anywhere(isa, terrain, frame) }
         };
         let erosions = tape.graph.erosions.iter().zip(&tape.terrains).enumerate().map(eroding).collect();
@@ -280,11 +300,11 @@ impl<'a> Evaluation<'a> {
                 match at {
                     Points::Grid(grid) => {
                         let (us, vs) = (&self.grids[grid][start..start + count], [v + self.tape.grids[grid][1]; BLOCK]);
-                        valleys.carve(terrain, us, &vs[..count], &mut out[..count]);
+                        valleys.carve(terrain, us, &vs[..count], &mut out[..count], self.part_row * SIDE);
                     }
                     Points::Anywhere(at) => {
                         let at = &self.positions[at];
-                        valleys.carve(terrain, &at.u[..count], &at.v[..count], &mut out[..count]);
+                        valleys.carve(terrain, &at.u[..count], &at.v[..count], &mut out[..count], self.part_row * SIDE);
                     }
                 }
                 let non_finite = kernels::keep_finite(self.isa, &mut out[..count]);

@@ -39,18 +39,17 @@ impl Reference {
     /// If the node does not come from a [`super::Programme`], which has checked its size.
     #[must_use]
     pub fn new(root: &Node, frame: &Frame, spacing: f64, filter: Filter) -> Self {
-        let plain = |root| Graph::plain(root).ok().zip(Tape::try_compile(root).ok());
-        let (graph, tape) = plain(root).expect("a programme's size was checked when it was parsed");
+        let tapes = |root| Tape::plain(root).ok().zip(Tape::try_compile(root).ok());
+        let (plain, simplified) = tapes(root).expect("a programme's size was checked when it was parsed");
         let units = if filter == Filter::Band { spacing / frame.scale } else { 0.0 };
-        let prepared = Prepared::new(&graph, frame, units, tape.subsamples(units));
-        Self::prepared(graph, frame, prepared, spacing, &tape)
+        let prepared = Prepared::new(&plain.graph, frame, units, simplified.subsamples(units));
+        Self::prepared(plain.graph.clone(), frame, prepared, spacing, &plain)
     }
 
     fn prepared(graph: Graph, frame: &Frame, prepared: Prepared, spacing: f64, tape: &Tape) -> Self {
         let eroding = |(number, eroded): (usize, &Eroded)| {
-            let needed = Valleys::needs_mean(&eroded.erosion, prepared.spacing);
-            let mean_slope = if needed { tape.network_slopes()[number] } else { 0.0 };
-            let valleys = Valleys::new(Isa::Baseline, &eroded.erosion, eroded.lattices.key(frame.seed), prepared.spacing, mean_slope);
+            let stead = tape.stead(number, &prepared);
+            let valleys = Valleys::new(Isa::Baseline, &eroded.erosion, eroded.lattices.key(frame.seed), prepared.spacing, &stead);
             let terrain = Graph::clone(&eroded.terrain);
             let exact = Prepared::exact(&terrain, frame);
             RefCell::new((valleys, Self::prepared(terrain, frame, exact, 1.0, tape)))
@@ -91,7 +90,7 @@ impl Reference {
             let mut value = kernels::value(step, operands, at, part, &self.prepared);
             if let Step::Erosion(erosion, ..) = step {
                 let (valleys, terrain) = &mut *self.erosions[erosion].borrow_mut();
-                valleys.carve(terrain, &at[..1], &at[1..], std::slice::from_mut(&mut value));
+                valleys.carve(terrain, &at[..1], &at[1..], std::slice::from_mut(&mut value), part);
             }
             values[id] = if value.is_finite() { value } else { 0.0 };
         }

@@ -60,6 +60,7 @@ fn the_tape_equals_the_reference_bit_for_bit() {
         "plus(sin(multiply(x, 1e7)), plus(cos(y), plus(tan(x), atan(divide(y, x)))))",
         "plus(log(0), sqrt(negative(y)))",
         "min(power(x, 30), multiply(multiply(x, 1e30), multiply(y, 1e30)))",
+        "plus(sin(plus(multiply(plus(0.1, 0.2), x), fbm(1, 2, 3))), multiply(cos(minus(multiply(3, x), negative(y))), abs(sin(multiply(0.7, y)))))",
         "divide(1, 0)",
         "multiply(multiply(1e30, 1e30), x)",
         "plus(o_perlin(seed=3), minus(fbm(1, 2, 1, seed=3), o_perlin))",

@@ -120,6 +120,11 @@ impl Tape {
         Ok(Compiler::new(Graph::simplified(root)?, Samples::Lattice).compile())
     }
 
+    /// As [`Tape::try_compile`], of the programme as it was written.
+    pub(super) fn plain(root: &Node) -> Result<Self, TooLarge> {
+        Ok(Compiler::new(Graph::plain(root)?, Samples::Lattice).compile())
+    }
+
     /// The least and the greatest value that any sample can have, by interval arithmetic over the exact programme; the values of what is filtered lie within it.
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
