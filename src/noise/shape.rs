@@ -82,7 +82,7 @@ pub enum FieldShape {
 
 impl FieldShape {
     /// Number of octaves (possibly fractional), ratio of frequencies and ratio of weights from octave to octave.
-    pub(super) fn progression(self) -> (f64, f64, f64) {
+    pub(crate) fn progression(self) -> (f64, f64, f64) {
         match self {
             FieldShape::Single => (1.0, 1.0, 1.0),
             FieldShape::Fbm { h, lacunarity, octaves }

@@ -2,7 +2,8 @@
 //!
 //! Every step has a value and a bound on how far an f32 evaluation may be from it: what its operands' errors can do to it, by interval arithmetic, and its own
 //! rounding. Gradient noises and their fractals are computed by the formulas of `noise::tests::reference`, with the errors that are asked of them there. Cellular
-//! noise and slopes of noise are taken as they are, since tests of their own hold them; erosion is left out, since it decides between nodes.
+//! noise and slopes of noise are taken as they are, since tests of their own hold them; slopes of shapes may be anything here, and those of terraces anything in
+//! their range. Erosion is left out, since it decides between nodes.
 
 use super::{
     Frame, Programme, Reference,

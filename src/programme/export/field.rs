@@ -12,23 +12,9 @@ use crate::{
 /// Cells a unit from which an octave is left out.
 const FINEST: f64 = 4_294_967_296.0;
 
-/// Octaves, possibly fractional, and the ratios of frequencies and of weights from one to the next.
-fn progression(shape: FieldShape) -> (f64, f64, f64) {
-    match shape {
-        FieldShape::Single => (1.0, 1.0, 1.0),
-        FieldShape::Fbm { h, lacunarity, octaves }
-        | FieldShape::Multifractal { h, lacunarity, octaves }
-        | FieldShape::Hetero { h, lacunarity, octaves, .. }
-        | FieldShape::Hybrid { h, lacunarity, octaves, .. }
-        | FieldShape::Ridged { h, lacunarity, octaves, .. } => (octaves, lacunarity, libm::pow(lacunarity, -h)),
-        FieldShape::Spectral { beta, octaves } => (octaves, 2.0, libm::pow(2.0, (1.0 - beta) / 2.0)),
-        FieldShape::Turbulence { octaves, amplitude, frequency, .. } => (octaves, frequency, amplitude),
-    }
-}
-
 /// Frequency and weight of every octave, the last one's remainder and a spectrum's norm included.
 fn octaves(shape: FieldShape) -> Vec<(f64, f64)> {
-    let (count, frequency_ratio, weight_ratio) = progression(shape);
+    let (count, frequency_ratio, weight_ratio) = shape.progression();
     let (mut frequency, mut weight, mut all) = (1.0, 1.0, Vec::new());
     for k in 0..count.ceil() as usize {
         all.push((frequency, weight * (count - k as f64).min(1.0)));
@@ -51,12 +37,6 @@ fn lattice(own: u64, octave: usize, (frequency, weight): (f64, f64)) -> String {
     let phase = |bits: u64| (bits & 0xffff) << 16;
     let (frequency, weight) = (number::factor(frequency), number::float(weight as f32));
     format!("TerraneLattice({frequency}, vec2<u32>({}u, {}u), {}u, {weight})", phase(bits >> 32), phase(bits >> 48), bits as u32)
-}
-
-/// The key of a noise's lattices.
-fn key_of(noise: &Noise, seed: u64) -> u64 {
-    let own = noise.lattices.key(seed);
-    if noise.part == 0 { own } else { key(own, noise.part) }
 }
 
 /// What a noise is, for people.
@@ -151,7 +131,7 @@ fn slope_steps(shape: FieldShape) -> (&'static str, Vec<String>) {
 
 /// The table of a noise's octaves.
 pub(super) fn table(index: usize, noise: &Noise, seed: u64) -> String {
-    let (own, octaves) = (key_of(noise, seed), octaves(noise.shape));
+    let (own, octaves) = (noise.key(seed), octaves(noise.shape));
     let kind = format!("array<TerraneLattice, {}>", octaves.len());
     let rows: Vec<String> = octaves.iter().enumerate().map(|(k, octave)| format!("    {}", lattice(own, k, *octave))).collect();
     format!("// {}\nconst TERRANE_OCTAVES_{index}: {kind} = {kind}(\n{}\n);\n\n", description(noise), rows.join(",\n"))

@@ -24,7 +24,7 @@ use std::sync::Arc;
 #[utoipa::path(get, path = "/worlds/{world}/shader.glsl", tag = "queries", params(("world" = String, Path, description = "`name` or `name@revision`")), responses(
     (status = 200, description = "Source text", body = String, content_type = "text/plain", headers(("ETag" = String, description = "Revision and version of the text"))),
     (status = 304, description = "The text is the one that If-None-Match names"),
-    (status = 404, description = "No such world, or its programme is too large for a shader", body = ProblemDetails, content_type = "application/problem+json"),
+    (status = 404, description = "No such world, or its programme is too large for a shader or uses erosion", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
 pub(crate) async fn get_glsl(state: State<App>, world: WorldAt, headers: HeaderMap) -> Result<Response, ApiError> {
     answer(state, world, &headers, ShaderLanguage::Glsl).await
@@ -34,7 +34,7 @@ pub(crate) async fn get_glsl(state: State<App>, world: WorldAt, headers: HeaderM
 #[utoipa::path(get, path = "/worlds/{world}/shader.wgsl", tag = "queries", params(("world" = String, Path, description = "`name` or `name@revision`")), responses(
     (status = 200, description = "Source text", body = String, content_type = "text/plain", headers(("ETag" = String, description = "Revision and version of the text"))),
     (status = 304, description = "The text is the one that If-None-Match names"),
-    (status = 404, description = "No such world, or its programme is too large for a shader", body = ProblemDetails, content_type = "application/problem+json"),
+    (status = 404, description = "No such world, or its programme is too large for a shader or uses erosion", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
 pub(crate) async fn get_wgsl(state: State<App>, world: WorldAt, headers: HeaderMap) -> Result<Response, ApiError> {
     answer(state, world, &headers, ShaderLanguage::Wgsl).await
