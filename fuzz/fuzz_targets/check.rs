@@ -5,8 +5,8 @@ use terrane::{
     programme::{Frame, Programme, Reference, Tape},
 };
 
-/// What a sample may be predicted to cost, to keep the fuzzer quick.
-const MOST_SAMPLE_NS: f64 = 20_000.0;
+/// What all samples of a window may be predicted to cost together, to keep the fuzzer quick.
+const MOST_NS: f64 = 5e7;
 
 /// Reads text, and what looks like JSON as JSON.
 pub(crate) fn programme(data: &[u8]) {
@@ -35,7 +35,7 @@ fn holds(programme: &Programme, place: u8) {
     let far = if place & 64 == 0 { 0.0 } else { 1e12 };
     let filter = if place & 128 == 0 { Filter::Band } else { Filter::Exact };
     // As a server: refused for its cost, or for the cost of exact samples so far apart.
-    if programme.check_cost().is_err() || tape.cost_ns(spacing / frame.scale, filter) > MOST_SAMPLE_NS {
+    if programme.check_cost().is_err() || tape.cost_ns(spacing / frame.scale, filter, 18) * 18.0 > MOST_NS {
         return;
     }
     // Far out the finest spacings make no area.

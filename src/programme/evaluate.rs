@@ -124,7 +124,7 @@ impl Tape {
         const FRAME: Frame = Frame { seed: 0, scale: 1.0, origin: [0.0; 2] };
         let slope = |(eroded, terrain): (&Eroded, &Tape)| {
             let isa = Isa::active();
-            Valleys::mean_slope(isa, &eroded.erosion, eroded.lattices.key(FRAME.seed), &mut Evaluation::anywhere(isa, terrain, &FRAME))
+            Valleys::mean_slope(&eroded.erosion, eroded.lattices.key(FRAME.seed), &mut Evaluation::anywhere(isa, terrain, &FRAME))
         };
         self.network_slopes.get_or_init(|| self.graph.erosions.iter().zip(&self.terrains).map(slope).collect())
     }
@@ -230,10 +230,20 @@ impl<'a> Evaluation<'a> {
     }
 
     fn block(&mut self, start: usize, v: f64, out: &mut [f32]) {
-        for instruction in &self.tape.samples {
+        let tape = self.tape;
+        // What is computed last is written where it belongs.
+        let (rest, last) = match (tape.samples.split_last(), tape.root) {
+            (Some((last, rest)), Slot::Register(root)) if last.register() == Some(root) => (rest, Some(last)),
+            _ => (&tape.samples[..], None),
+        };
+        for instruction in rest {
             self.non_finite += self.instruction(instruction, start, v, out.len());
         }
-        match self.input(self.tape.root, start, out.len()) {
+        if let Some(last) = last {
+            self.non_finite += self.write(last, start, v, out);
+            return;
+        }
+        match self.input(tape.root, start, out.len()) {
             Input::Number(number) => out.fill(number),
             Input::Samples(samples) => out.copy_from_slice(samples),
         }
@@ -260,57 +270,14 @@ impl<'a> Evaluation<'a> {
 
     /// Runs an instruction over `count` columns from `start` on.
     fn instruction(&mut self, instruction: &Instruction, start: usize, v: f64, count: usize) -> u64 {
+        if let Some(to) = instruction.register() {
+            let mut out = std::mem::take(&mut self.registers[to]);
+            let non_finite = self.write(instruction, start, v, &mut out[..count]);
+            self.registers[to] = out;
+            return non_finite;
+        }
         match *instruction {
-            Instruction::Rows { to, rows } => {
-                let out = &mut self.registers[to][..count];
-                self.noise_rows[rows].fill(start, out);
-                kernels::draw(self.isa, self.prepared.draws[self.tape.noise_rows[rows].0].as_ref(), self.part_row, out);
-                kernels::keep_finite(self.isa, out)
-            }
-            Instruction::Noise { to, noise, at } => {
-                let (out, at) = (&mut self.registers[to][..count], &self.positions[at]);
-                self.prepared.fields[noise].points(self.isa, &at.u[..count], &at.v[..count], out);
-                kernels::draw(self.isa, self.prepared.draws[noise].as_ref(), self.part_row, out);
-                kernels::keep_finite(self.isa, out)
-            }
-            Instruction::Slopes { to: [to_u, to_v], noise, at } => {
-                let (mut du, mut dv) = (std::mem::take(&mut self.registers[to_u]), std::mem::take(&mut self.registers[to_v]));
-                let field = &self.prepared.fields[noise];
-                match at {
-                    Points::Grid(grid) => {
-                        let (us, vs) = (&self.grids[grid][start..start + count], [v + self.tape.grids[grid][1]; BLOCK]);
-                        field.slope_points(self.isa, us, &vs[..count], &mut du[..count], &mut dv[..count]);
-                    }
-                    Points::Anywhere(at) => {
-                        let at = &self.positions[at];
-                        field.slope_points(self.isa, &at.u[..count], &at.v[..count], &mut du[..count], &mut dv[..count]);
-                    }
-                }
-                let non_finite = kernels::keep_finite(self.isa, &mut du[..count]) + kernels::keep_finite(self.isa, &mut dv[..count]);
-                (self.registers[to_u], self.registers[to_v]) = (du, dv);
-                non_finite
-            }
-            Instruction::Erosion { to, erosion, of, at } => {
-                let mut out = std::mem::take(&mut self.registers[to]);
-                match self.input(of, start, count) {
-                    Input::Number(height) => out[..count].fill(height),
-                    Input::Samples(heights) => out[..count].copy_from_slice(heights),
-                }
-                let Eroding { valleys, terrain } = &mut self.erosions[erosion];
-                match at {
-                    Points::Grid(grid) => {
-                        let (us, vs) = (&self.grids[grid][start..start + count], [v + self.tape.grids[grid][1]; BLOCK]);
-                        valleys.carve(terrain, us, &vs[..count], &mut out[..count], self.part_row * SIDE);
-                    }
-                    Points::Anywhere(at) => {
-                        let at = &self.positions[at];
-                        valleys.carve(terrain, &at.u[..count], &at.v[..count], &mut out[..count], self.part_row * SIDE);
-                    }
-                }
-                let non_finite = kernels::keep_finite(self.isa, &mut out[..count]);
-                self.registers[to] = out;
-                non_finite
-            }
+            Instruction::Slopes { to, noise, at } => return self.slopes(to, noise, at, start, v, count),
             Instruction::Move { to, base, by } => {
                 let mut positions = self.take_positions(to, base, start, v, count);
                 for (positions, slot) in [&mut positions.u, &mut positions.v].into_iter().zip(by) {
@@ -320,23 +287,71 @@ impl<'a> Evaluation<'a> {
                     }
                 }
                 self.positions[to] = positions;
-                0
             }
             Instruction::Shift { to, base, by: [du, dv] } => {
                 let mut positions = self.take_positions(to, base, start, v, count);
                 positions.u[..count].iter_mut().for_each(|p| *p += du);
                 positions.v[..count].iter_mut().for_each(|p| *p += dv);
                 self.positions[to] = positions;
-                0
             }
-            Instruction::Step { to: Slot::Register(to), step, at, operands } => {
-                let mut out = std::mem::take(&mut self.registers[to]);
-                let non_finite = self.apply(step, at, operands, start, v, &mut out[..count]);
-                self.registers[to] = out;
-                non_finite
-            }
-            Instruction::Step { .. } => 0,
+            _ => {}
         }
+        0
+    }
+
+    /// Writes the values of an instruction that has one a sample.
+    fn write(&mut self, instruction: &Instruction, start: usize, v: f64, out: &mut [f32]) -> u64 {
+        let count = out.len();
+        match *instruction {
+            Instruction::Rows { rows, .. } => {
+                self.noise_rows[rows].fill(start, out);
+                kernels::draw(self.isa, self.prepared.draws[self.tape.noise_rows[rows].0].as_ref(), self.part_row, out);
+            }
+            Instruction::Noise { noise, at, .. } => {
+                let at = &self.positions[at];
+                self.prepared.fields[noise].points(self.isa, &at.u[..count], &at.v[..count], out);
+                kernels::draw(self.isa, self.prepared.draws[noise].as_ref(), self.part_row, out);
+            }
+            Instruction::Erosion { erosion, of, at, .. } => {
+                match self.input(of, start, count) {
+                    Input::Number(height) => out.fill(height),
+                    Input::Samples(heights) => out.copy_from_slice(heights),
+                }
+                let Eroding { valleys, terrain } = &mut self.erosions[erosion];
+                match at {
+                    Points::Grid(grid) => {
+                        let (us, vs) = (&self.grids[grid][start..start + count], [v + self.tape.grids[grid][1]; BLOCK]);
+                        valleys.carve(terrain, us, &vs[..count], out, self.part_row * SIDE);
+                    }
+                    Points::Anywhere(at) => {
+                        let at = &self.positions[at];
+                        valleys.carve(terrain, &at.u[..count], &at.v[..count], out, self.part_row * SIDE);
+                    }
+                }
+            }
+            Instruction::Step { step, at, operands, .. } => return self.apply(step, at, operands, start, v, out),
+            Instruction::Slopes { .. } | Instruction::Move { .. } | Instruction::Shift { .. } => return 0,
+        }
+        kernels::keep_finite(self.isa, out)
+    }
+
+    /// Writes both derivatives of a noise.
+    fn slopes(&mut self, [to_u, to_v]: [usize; 2], noise: usize, at: Points, start: usize, v: f64, count: usize) -> u64 {
+        let (mut du, mut dv) = (std::mem::take(&mut self.registers[to_u]), std::mem::take(&mut self.registers[to_v]));
+        let field = &self.prepared.fields[noise];
+        match at {
+            Points::Grid(grid) => {
+                let (us, vs) = (&self.grids[grid][start..start + count], [v + self.tape.grids[grid][1]; BLOCK]);
+                field.slope_points(self.isa, us, &vs[..count], &mut du[..count], &mut dv[..count]);
+            }
+            Points::Anywhere(at) => {
+                let at = &self.positions[at];
+                field.slope_points(self.isa, &at.u[..count], &at.v[..count], &mut du[..count], &mut dv[..count]);
+            }
+        }
+        let non_finite = kernels::keep_finite(self.isa, &mut du[..count]) + kernels::keep_finite(self.isa, &mut dv[..count]);
+        (self.registers[to_u], self.registers[to_v]) = (du, dv);
+        non_finite
     }
 
     /// The positions of number `to`, set to those of a base.

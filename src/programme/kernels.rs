@@ -6,7 +6,7 @@ use super::{
     operation::{Binary, Unary},
     sampling::{Drawn, Wave},
 };
-use crate::noise::{Isa, Kernel, Lanes, SIDE, elementary};
+use crate::noise::{Draws, Isa, Kernel, Lanes, SIDE, elementary};
 
 /// An operand of a block: one number for all samples, or one a sample.
 #[derive(Clone, Copy, Debug)]
@@ -25,13 +25,13 @@ pub(super) fn value(step: Step, [a, b, c]: [f32; 3], [u, v]: [f64; 2], part: usi
         Step::ShapeSlope(shape, axis, _) => prepared.shapes[shape].slope(axis, u, v),
         Step::Noise(noise, _) => {
             let value = prepared.fields[noise].at(u, v);
-            prepared.draws[noise].as_ref().map_or(value, |drawn| drawn.apply(value, part))
+            prepared.draws[noise].as_ref().map_or(value, |drawn| drawn.apply(value, drawn.values[part]))
         }
         Step::NoiseSlope(noise, axis, _) => prepared.fields[noise].slopes_at(u, v)[axis as usize],
         Step::Erosion(..) => a,
         Step::Unary(operation @ (Unary::Sin | Unary::Cos), of) => {
             let value = operation.apply(a);
-            prepared.waves[of].as_ref().map_or(value, |wave| wave.apply(value, part))
+            prepared.waves[of].as_ref().map_or(value, |wave| wave.apply(value, wave.draws()[part]))
         }
         Step::Unary(operation, _) => operation.apply(a),
         Step::Binary(operation, ..) => operation.apply(a, b),
@@ -68,6 +68,11 @@ impl Kernel for KeepFinite<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> u64 {
+        // Reading is cheap, and there is hardly ever anything to write.
+        let all_finite = self.values.iter().fold(true, |all, value| all & value.is_finite());
+        if all_finite {
+            return 0;
+        }
         let mut count = 0;
         for value in self.values {
             *value = finite(*value, &mut count);
@@ -79,31 +84,43 @@ impl Kernel for KeepFinite<'_> {
 /// Adds what stands for a noise's detail to its values in a row of the parts of samples.
 pub(super) fn draw(isa: Isa, drawn: Option<&Drawn>, part_row: usize, values: &mut [f32]) {
     if let Some(drawn) = drawn {
-        isa.run(InParts { part_row, values, function: |value, part| drawn.apply(value, part) });
+        isa.run(InParts { draws: repeated(&drawn.values, part_row), values, function: |value, draw| drawn.apply(value, draw) });
     }
 }
 
 /// Fades the values of a wave in a row of the parts of samples.
 pub(super) fn fade(isa: Isa, wave: &Wave, part_row: usize, values: &mut [f32]) {
-    isa.run(InParts { part_row, values, function: |value, part| wave.apply(value, part) });
+    isa.run(InParts { draws: repeated(wave.draws(), part_row), values, function: |value, draw| wave.apply(value, draw) });
+}
+
+/// Values that are taken at a time: whole vectors of parts of samples.
+const PARTS: usize = 16;
+
+/// The draws of a row of parts, again and again.
+fn repeated(draws: &Draws, part_row: usize) -> [f32; PARTS] {
+    core::array::from_fn(|i| draws[part_row * SIDE + i % SIDE])
 }
 
 struct InParts<'a, F> {
-    part_row: usize,
+    draws: [f32; PARTS],
     values: &'a mut [f32],
     function: F,
 }
 
-impl<F: Fn(f32, usize) -> f32> Kernel for InParts<'_, F> {
+impl<F: Fn(f32, f32) -> f32> Kernel for InParts<'_, F> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) {
-        let Self { part_row, values, function } = self;
-        for sample in values.chunks_mut(SIDE) {
-            for (column, value) in sample.iter_mut().enumerate() {
-                *value = function(*value, part_row * SIDE + column);
+        let Self { draws, values, function } = self;
+        let (groups, rest) = values.as_chunks_mut::<PARTS>();
+        for group in groups {
+            for (value, draw) in group.iter_mut().zip(draws) {
+                *value = function(*value, draw);
             }
+        }
+        for (value, draw) in rest.iter_mut().zip(draws) {
+            *value = function(*value, draw);
         }
     }
 }

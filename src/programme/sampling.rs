@@ -17,10 +17,10 @@ pub(super) struct Drawn {
 }
 
 impl Drawn {
-    /// A noise's value in a part of a sample.
+    /// A noise's value in a part of a sample, with the part's own draw.
     #[inline(always)]
-    pub(super) fn apply(&self, value: f32, part: usize) -> f32 {
-        let sum = value + self.values[part];
+    pub(super) fn apply(&self, value: f32, draw: f32) -> f32 {
+        let sum = value + draw;
         let low = if sum < self.range[0] { self.range[0] } else { sum };
         if low > self.range[1] { self.range[1] } else { low }
     }
@@ -34,10 +34,15 @@ pub(super) struct Wave {
 }
 
 impl Wave {
-    /// A sine or cosine in a part of a sample.
+    /// What stands for it in every part of a sample.
+    pub(super) fn draws(&self) -> &Draws {
+        &self.drawn.values
+    }
+
+    /// A sine or cosine in a part of a sample, with the part's own draw.
     #[inline(always)]
-    pub(super) fn apply(&self, value: f32, part: usize) -> f32 {
-        self.drawn.apply(value * self.carried, part)
+    pub(super) fn apply(&self, value: f32, draw: f32) -> f32 {
+        self.drawn.apply(value * self.carried, draw)
     }
 }
 
@@ -117,6 +122,6 @@ impl Tape {
             return needed;
         }
         let wanted = fading(&self.graph, spacing);
-        [SIDE, 2].into_iter().find(|&n| n <= wanted && n > needed && self.parts_ns(spacing, n) <= COST_LIMIT_NS).unwrap_or(needed)
+        [SIDE, 2].into_iter().find(|&n| n <= wanted && n > needed && self.tile_parts_ns(spacing, n) <= COST_LIMIT_NS).unwrap_or(needed)
     }
 }

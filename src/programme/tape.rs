@@ -71,6 +71,19 @@ pub(super) enum Instruction {
     Step { to: Slot, step: Step, at: Option<Points>, operands: [Slot; 3] },
 }
 
+impl Instruction {
+    /// The register that it writes, if it writes one.
+    pub(super) fn register(&self) -> Option<usize> {
+        match *self {
+            Instruction::Rows { to, .. }
+            | Instruction::Noise { to, .. }
+            | Instruction::Erosion { to, .. }
+            | Instruction::Step { to: Slot::Register(to), .. } => Some(to),
+            _ => None,
+        }
+    }
+}
+
 /// A compiled programme.
 ///
 /// ```

@@ -54,13 +54,13 @@ impl World {
     /// The predicted time to evaluate a window on one thread, in nanoseconds.
     #[must_use]
     pub fn cost_ns(&self, window: &Window) -> f64 {
-        self.sample_cost_ns(window.spacing(), window.filter) * window.samples() as f64
+        self.area_cost_ns(window.spacing(), window.filter, window.samples())
     }
 
-    /// The predicted time to evaluate one of many samples `spacing` metres apart, in nanoseconds.
+    /// The predicted time to evaluate `count` samples of a square, `spacing` metres apart, on one thread, in nanoseconds.
     #[must_use]
-    pub fn sample_cost_ns(&self, spacing: f64, filter: Filter) -> f64 {
-        self.tape.cost_ns(spacing / self.frame.scale, filter)
+    pub fn area_cost_ns(&self, spacing: f64, filter: Filter, count: usize) -> f64 {
+        self.tape.cost_ns(spacing / self.frame.scale, filter, count) * count as f64
     }
 
     /// The terrain over a window, on the calling thread.

@@ -26,8 +26,8 @@ impl Survey {
     #[must_use]
     pub fn cost_ns(world: &World, pixels: usize) -> f64 {
         let scale = world.document().base.scale;
-        let sample = |spacing: f64| world.sample_cost_ns(spacing, Filter::Band);
-        sample(scale / 4.0) * (SIDE * SIDE) as f64 + sample(scale * 3.0 / pixels as f64) * (pixels * pixels) as f64
+        let area = |spacing: f64, side: usize| world.area_cost_ns(spacing, Filter::Band, side * side);
+        area(scale / 4.0, SIDE) + area(scale * 3.0 / pixels as f64, pixels)
     }
 
     /// Looks at 24 × 24 programme units around the base's origin.

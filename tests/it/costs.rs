@@ -14,11 +14,20 @@ const LEAST_SIDE: usize = 24;
 const BUDGET_NS: f64 = 5e7;
 const FRAME: Frame = Frame { seed: 7, scale: 1.0, origin: [0.3, 0.7] };
 
+fn window(tape: &Tape, spacing: f64, filter: Filter) -> Window {
+    let affordable = (BUDGET_NS / tape.cost_ns(spacing, filter, SIDE * SIDE)).sqrt() as usize;
+    let side = affordable.clamp(LEAST_SIDE, SIDE) as f64 * spacing;
+    Window::area([0.0, 0.0, side, side], spacing, filter, 1 << 20).unwrap()
+}
+
+/// As for the window that is measured.
+fn predicted_ns(tape: &Tape, spacing: f64, filter: Filter) -> f64 {
+    tape.cost_ns(spacing, filter, window(tape, spacing, filter).samples())
+}
+
 /// The least of a few times, in nanoseconds a sample, on the instruction set of the cost model.
 fn measured_ns(tape: &Tape, spacing: f64, filter: Filter) -> f64 {
-    let affordable = (BUDGET_NS / tape.cost_ns(spacing, filter)).sqrt() as usize;
-    let side = affordable.clamp(LEAST_SIDE, SIDE) as f64 * spacing;
-    let window = Window::area([0.0, 0.0, side, side], spacing, filter, 1 << 20).unwrap();
+    let window = window(tape, spacing, filter);
     let mut heights = vec![0.0; window.samples()];
     let times = (0..5).map(|_| {
         let start = Instant::now();
@@ -28,6 +37,12 @@ fn measured_ns(tape: &Tape, spacing: f64, filter: Filter) -> f64 {
     times.fold(f64::INFINITY, f64::min)
 }
 
+/// Whether a warp may lead farther away than any tile lies, where noise is found place by place.
+fn leads_off_the_plane(programme: &Programme) -> bool {
+    let text = programme.to_string();
+    text.contains("warp(") && text.split(['(', ')', ',', ' ', '=']).any(|word| word.parse().is_ok_and(|number: f64| number.abs() > 1e6))
+}
+
 /// Measured over predicted cost lies in 1/3 … 2 for 95 % of programmes, and is at most 3.
 #[test]
 #[ignore = "measures time: run by make soak"]
@@ -35,13 +50,14 @@ fn measured_ns(tape: &Tape, spacing: f64, filter: Filter) -> f64 {
 fn costs_are_predicted() {
     let count = std::env::var("TERRANE_COSTS").map_or(2_000, |text| text.parse().unwrap());
     let mut ratios: Vec<(f64, String)> = (0..count)
-        .map(|seed| {
-            let random = &mut Random::new(seed);
-            let programme = programme(random, 6);
+        .map(|seed| (seed, programme(&mut Random::new(seed), 6)))
+        .filter(|(_, programme)| !leads_off_the_plane(programme))
+        .map(|(seed, programme)| {
+            let random = &mut Random::new(!seed);
             let spacing = 2f64.powf(random.unit() * 14.0 - 10.0);
             let filter = [Filter::Band, Filter::Exact][random.below(2)];
             let tape = Tape::compile(programme.root());
-            let (measured, predicted) = (measured_ns(&tape, spacing, filter), tape.cost_ns(spacing, filter));
+            let (measured, predicted) = (measured_ns(&tape, spacing, filter), predicted_ns(&tape, spacing, filter));
             (measured / predicted, format!("{measured:.1} ns, predicted {predicted:.1}: {programme} at spacing {spacing:.4} {filter:?}"))
         })
         .collect();
@@ -70,11 +86,13 @@ fn costs_are_predicted() {
 fn cost_table() {
     for text in TABLE {
         let tape = Tape::compile(Programme::parse(text).unwrap().root());
-        let figures = [64.0, 8.0, 3.0, 1.0, 0.3].map(|samples| {
-            let spacing = 1.0 / samples;
-            format!("  {:7.2} /{:6.2}", measured_ns(&tape, spacing, Filter::Exact), tape.cost_ns(spacing, Filter::Exact))
+        let figures = [Filter::Exact, Filter::Band].map(|filter| {
+            [64.0, 8.0, 3.0, 1.0, 0.3].map(|samples| {
+                let (measured, predicted) = (measured_ns(&tape, 1.0 / samples, filter), predicted_ns(&tape, 1.0 / samples, filter));
+                format!("  {measured:7.2} /{predicted:7.2} {:4.2}", measured / predicted)
+            })
         });
-        eprintln!("{text:60}{}", figures.concat());
+        eprintln!("{text:60}{} |{}", figures[0].concat(), figures[1].concat());
     }
 }
 
@@ -136,4 +154,10 @@ const TABLE: &[&str] = &[
     "multiply(multiply(multiply(multiply(multiply(x, y), x), y), x), y)",
     "sin(multiply(x, 1e9))",
     "distorted_noise(1)",
+    "erosion(fbm(1, 2, 8))",
+    "erosion(fbm(1, 2, 8), octaves=1)",
+    "erosion(multiply(fbm(1, 2, 8), ridged_multifractal(1, 2, 8, 1, 2)))",
+    "erosion(erosion(fbm(1, 2, 8)), scale=0.5)",
+    "erosion(fbm(1, 2, 8, basis=voronoi_f4))",
+    "warp(erosion(fbm(1, 2, 8)), plus(x, y), y)",
 ];

@@ -187,7 +187,7 @@ async fn wrong_documents_are_told_every_place_and_store_nothing() {
     let client = Client::new().await;
     let before = listed(&client, "").await;
     let huge = format!(r#"{{"programme":"x","description":"{}"}}"#, "x".repeat(2_000_000));
-    let costly = format!(r#"{{"programme":"{}x{}"}}"#, "plus(fbm(1, 2, 32), ".repeat(60), ")".repeat(60));
+    let costly = format!(r#"{{"programme":"{}x{}"}}"#, "plus(fbm(1, 2, 32), ".repeat(200), ")".repeat(200));
     for (body, expected) in [
         ("", "400 The body is not JSON: EOF while parsing a value at line 1 column 0."),
         ("{}", "422 /programme: missing field `programme`"),
