@@ -1,17 +1,20 @@
 //! Surfaces as tiles and images: encodings, shading, files.
 
+mod contours;
 mod geotiff;
 mod hillshade;
+mod mvt;
 mod png;
 mod preview;
 mod relief;
 mod rgb;
 mod tileset;
 
+pub use contours::contour_interval;
 pub use geotiff::write_geotiff;
 pub use preview::{PREVIEW_FORM, preview};
 pub use relief::Ramp;
-pub use tileset::{EncodeError, Tileset};
+pub use tileset::{EncodeError, Tileset, VectorLayer};
 
 use crate::geometry::{Filter, Grid, GridError, Samples, Source, Surface, Tile, Window};
 
@@ -61,5 +64,8 @@ pub fn render(source: &impl Source, request: &TileRequest) -> Result<Vec<u8>, Ti
     let window = request.window()?;
     let mut surface = Surface::of(&window);
     source.sample(&window, &mut surface);
+    if request.tileset == Tileset::Contours {
+        return Ok(contours::draw(&surface, contour_interval(request.grid, request.tile.z)));
+    }
     Ok(request.tileset.encode(&surface, window.spacing())?)
 }

@@ -1,6 +1,6 @@
 //! The ways a surface is drawn as a tile.
 
-use super::{hillshade, png, rgb};
+use super::{contours, hillshade, png, rgb};
 use crate::geometry::Surface;
 
 /// A way to draw a surface.
@@ -14,7 +14,27 @@ pub enum Tileset {
     R32,
     /// Shaded relief as grey PNG, light from the north-west.
     Hillshade,
+    /// Contour lines as a vector tile.
+    Contours,
 }
+
+/// A layer of vector tiles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VectorLayer {
+    /// Its name.
+    pub id: &'static str,
+    /// What it shows.
+    pub description: &'static str,
+    /// The properties of its features: name, and kind or meaning.
+    pub fields: &'static [(&'static str, &'static str)],
+}
+
+/// Contours as a vector tile names them.
+const CONTOURS: [VectorLayer; 1] = [VectorLayer {
+    id: "contours",
+    description: "Lines of equal elevation of the ground",
+    fields: &[("elevation", "Number: metres"), ("index", "Boolean: every fifth line")],
+}];
 
 /// Why a surface could not be encoded.
 #[derive(Debug, thiserror::Error)]
@@ -29,7 +49,7 @@ pub enum EncodeError {
 
 impl Tileset {
     /// Every tileset.
-    pub const ALL: [Tileset; 4] = [Tileset::Terrarium, Tileset::TerrainRgb, Tileset::R32, Tileset::Hillshade];
+    pub const ALL: [Tileset; 5] = [Tileset::Terrarium, Tileset::TerrainRgb, Tileset::R32, Tileset::Hillshade, Tileset::Contours];
 
     /// The name in URLs.
     #[must_use]
@@ -39,6 +59,7 @@ impl Tileset {
             Tileset::TerrainRgb => "terrain-rgb",
             Tileset::R32 => "r32",
             Tileset::Hillshade => "hillshade",
+            Tileset::Contours => "contours",
         }
     }
 
@@ -53,6 +74,7 @@ impl Tileset {
     pub fn extension(self) -> &'static str {
         match self {
             Tileset::R32 => "bin",
+            Tileset::Contours => "mvt",
             _ => "png",
         }
     }
@@ -62,6 +84,7 @@ impl Tileset {
     pub fn media_type(self) -> &'static str {
         match self {
             Tileset::R32 => "application/octet-stream",
+            Tileset::Contours => "application/vnd.mapbox-vector-tile",
             _ => "image/png",
         }
     }
@@ -73,7 +96,7 @@ impl Tileset {
             Tileset::Terrarium => Some("terrarium"),
             Tileset::TerrainRgb => Some("mapbox"),
             Tileset::R32 => Some("f32"),
-            Tileset::Hillshade => None,
+            Tileset::Hillshade | Tileset::Contours => None,
         }
     }
 
@@ -85,6 +108,16 @@ impl Tileset {
             Tileset::TerrainRgb => "terrain-rgb.png 1",
             Tileset::R32 => "r32.bin 1",
             Tileset::Hillshade => "hillshade.png 1",
+            Tileset::Contours => "contours.mvt 1",
+        }
+    }
+
+    /// The layers of its vector tiles; none if they are no vector tiles.
+    #[must_use]
+    pub fn layers(self) -> &'static [VectorLayer] {
+        match self {
+            Tileset::Contours => &CONTOURS,
+            _ => &[],
         }
     }
 
@@ -93,6 +126,7 @@ impl Tileset {
     pub fn apron(self) -> usize {
         match self {
             Tileset::Hillshade => 1,
+            Tileset::Contours => contours::APRON,
             _ => 0,
         }
     }
@@ -107,6 +141,7 @@ impl Tileset {
             Tileset::TerrainRgb => png::rgb(surface, rgb::terrain_rgb),
             Tileset::R32 => Ok(surface.elevation.iter().flat_map(|elevation| elevation.to_le_bytes()).collect()),
             Tileset::Hillshade => png::grey(surface.columns - 2, surface.rows - 2, &hillshade::shade(surface, spacing)),
+            Tileset::Contours => Ok(contours::draw(surface, contours::interval(spacing))),
         }
     }
 }

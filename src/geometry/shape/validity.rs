@@ -105,7 +105,7 @@ fn rings(curve: &Curve) -> Result<(), ShapeError> {
 
 /// Pairs of edges that may be compared: what is drawn by hand or grown needs a few an edge. Only long edges that run aslant beside each other need more, up to the
 /// square of their number.
-const PAIRS_A_SIDE: usize = 256;
+const PAIRS_A_SIDE: usize = 1024;
 
 /// Pairs that a polygon of any size may have: those of 360 edges, whatever they are.
 const LEAST_PAIRS: usize = 131_072;
