@@ -30,6 +30,7 @@ mod expression;
 mod feature;
 mod field;
 pub mod generate;
+pub mod geojson;
 mod index;
 mod kernels;
 mod parity;
