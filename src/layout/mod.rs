@@ -36,6 +36,7 @@ mod kernels;
 mod parity;
 mod reference;
 mod runs;
+mod scatter;
 mod search;
 mod surface;
 mod term;
@@ -47,6 +48,7 @@ pub use expression::{Expression, ExpressionError};
 pub use feature::{ContentHash, Feature, FeatureError};
 pub use field::{Field, FieldKind};
 pub use index::{Layout, LayoutError, Mix, Options};
+pub use scatter::{Scatter, ScatterOptions};
 pub use surface::{FieldSurface, LayoutSurface, Selection};
 pub use weight::Weight;
 

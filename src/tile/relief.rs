@@ -146,7 +146,7 @@ mod tests {
 
     fn pixel(elevation: f32, dx: f32, dy: f32, ramp: &Ramp) -> [u8; 3] {
         let elevation = (0..9_u8).map(|i| elevation + dx * (f32::from(i % 3) - 1.0) - dy * (f32::from(i / 3) - 1.0)).collect();
-        draw(&Surface { columns: 3, rows: 3, elevation, non_finite: 0 }, 1.0, ramp).try_into().expect("one pixel")
+        draw(&Surface { columns: 3, rows: 3, elevation, ..Surface::default() }, 1.0, ramp).try_into().expect("one pixel")
     }
 
     #[test]

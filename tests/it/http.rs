@@ -57,7 +57,9 @@ async fn tiles_answer_304_from_their_fingerprint_without_evaluation() {
     let world = World::new(Document::parse(&document.body).unwrap());
     let request = terrane::geometry::Tile { z: 9, x: 3, y: 3 };
     let (samples, filter) = (terrane::geometry::Samples::Centres(256), terrane::geometry::Filter::Band);
-    let fingerprint = world.fingerprint(terrane::tile::Tileset::Terrarium.form(), terrane::geometry::Grid::Web, request, samples, filter);
+    let grid = terrane::geometry::Grid::Web;
+    let area = grid.window(request, samples, filter).unwrap().bounds();
+    let fingerprint = world.fingerprint(terrane::tile::Tileset::Terrarium.form(), &area, grid, request, samples, filter);
     let unseen = client.send(Method::GET, "/worlds/alps/web/terrarium/9/3/3.png", &[("if-none-match", &format!("\"{fingerprint}\""))], "").await;
     assert_eq!((unseen.status, client.app.evaluations()), (StatusCode::NOT_MODIFIED, 1));
     assert_eq!(client.get(path).await.body, tile.body);

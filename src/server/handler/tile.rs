@@ -57,12 +57,12 @@ pub(crate) async fn get_tile(
     TilePath(request): TilePath,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
-    let fingerprint = live.world.fingerprint(request.tileset.form(), request.grid, request.tile, request.samples, request.filter);
+    let window = request.window().map_err(|error| ApiError::absent("tile", error.to_string()))?;
+    let fingerprint = live.world.fingerprint(request.tileset.form(), &window.bounds(), request.grid, request.tile, request.samples, request.filter);
     let (tag, freshness) = (fingerprint.to_string(), Freshness::of(pinned));
     if is_fresh(&headers, &tag) {
         return Ok(not_modified(&tag, freshness));
     }
-    let window = request.window().map_err(|error| ApiError::absent("tile", error.to_string()))?;
     let cost_ns = live.world.cost_ns(&window);
     if cost_ns > MOST_TILE_NS {
         let (spacing, seconds) = (window.spacing(), cost_ns / 1e9);
