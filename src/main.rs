@@ -8,14 +8,16 @@ use std::{
     net::SocketAddr,
     path::{Path, PathBuf},
     process::ExitCode,
+    sync::Arc,
 };
 use terrane::{
     geometry::{Filter, Window},
+    layout::geojson::FeatureSet,
     noise::Isa,
     server::{self, Config},
     store::{Kind, Store},
     tile::{Tileset, write_geotiff},
-    world::{Document, World},
+    world::{Document, FeatureSets, World},
 };
 use tracing_subscriber::EnvFilter;
 
@@ -179,12 +181,20 @@ fn world(name: &str, data: Option<&Path>) -> anyhow::Result<World> {
     if !folder.join("terrane.sqlite").is_file() {
         bail!("there is no file {name}, and no worlds are stored in {}", folder.display());
     }
-    let worlds = runtime()?.block_on(async { Store::open_read_only(&folder).await?.documents(Kind::World).await })?;
+    let runtime = runtime()?;
+    let store = runtime.block_on(Store::open_read_only(&folder))?;
+    let worlds = runtime.block_on(store.documents(Kind::World))?;
     let names: Vec<_> = worlds.iter().map(|world| world.name.as_str()).collect();
     let Some(stored) = worlds.iter().find(|world| world.name == name) else {
         bail!("{name} is neither a file nor one of the worlds in {}: {}", folder.display(), names.join(", "));
     };
-    Ok(World::new(Document::parse_stored(stored.body.as_bytes()).with_context(|| format!("the stored world {name}"))?))
+    let mut sets = FeatureSets::default();
+    for set in FeatureSets::named_in(stored.body.as_bytes()) {
+        if let Some(stored) = runtime.block_on(store.feature_set(&set))? {
+            sets.insert(set, Arc::new(FeatureSet::read(&stored)?));
+        }
+    }
+    Ok(World::new(Document::parse_stored(stored.body.as_bytes(), &sets).with_context(|| format!("the stored world {name}"))?))
 }
 
 fn render(arguments: &RenderArguments) -> anyhow::Result<()> {

@@ -119,6 +119,21 @@ impl FromRequestParts<App> for WorldAt {
     }
 }
 
+/// A feature's address: the name of its world and its id, either of which may not be there.
+pub(super) struct FeatureAt {
+    pub world: String,
+    pub id: String,
+}
+
+impl FromRequestParts<App> for FeatureAt {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
+        let mut parameters = path(parts).await?;
+        Ok(Self { world: parameters.remove("world").unwrap_or_default(), id: parameters.remove("id").unwrap_or_default() })
+    }
+}
+
 fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
     let (distance, near) = candidates.map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate)).min()?;
     (distance <= 2).then(|| near.to_owned())

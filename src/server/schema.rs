@@ -219,6 +219,59 @@ pub(super) struct ElevationSchema {
     pub water_depth: f32,
 }
 
+/// A feature (RFC 7946), in world metres; the third coordinate is the elevation.
+#[derive(ToSchema)]
+#[schema(as = Feature)]
+#[expect(dead_code, reason = "read and written by crate::layout::geojson; this describes it")]
+pub(super) struct FeatureSchema {
+    /// `Feature`.
+    #[serde(rename = "type")]
+    #[schema(rename = "type", example = "Feature")]
+    kind: String,
+    /// Text of 1 to 200 characters or a whole number; made where it is missing.
+    #[schema(required = false)]
+    id: serde_json::Value,
+    /// A Point, a LineString or a Polygon.
+    geometry: serde_json::Value,
+    /// `attributes` (the name of a set, or a list), and as needed `elevation`, `radius`, `detail`, `along`, `precedence`. All others are kept and have no influence.
+    properties: serde_json::Value,
+}
+
+/// Features with the sets of attributes that they share.
+#[derive(ToSchema)]
+#[schema(as = FeatureCollection)]
+#[expect(dead_code, reason = "as above")]
+pub(super) struct FeatureCollectionSchema {
+    /// `FeatureCollection`.
+    #[serde(rename = "type")]
+    #[schema(rename = "type", example = "FeatureCollection")]
+    kind: String,
+    /// Lists of attributes by name.
+    #[schema(required = false)]
+    attributes: serde_json::Value,
+    features: Vec<FeatureSchema>,
+    /// How many features were found.
+    #[schema(required = false, rename = "numberMatched")]
+    number_matched: usize,
+    /// How many are here.
+    #[schema(required = false, rename = "numberReturned")]
+    number_returned: usize,
+    /// `self`, and `next` where there are more.
+    #[schema(required = false)]
+    links: Vec<serde_json::Value>,
+}
+
+/// What was added to a world's features.
+#[derive(Serialize, ToSchema)]
+pub(super) struct AddedSchema {
+    /// How many features.
+    pub added: usize,
+    /// Their ids, of many the first 1000.
+    pub ids: Vec<String>,
+    /// The world's new revision.
+    pub revision: String,
+}
+
 /// Whether the server lives or takes requests.
 #[derive(Serialize, ToSchema)]
 pub(super) struct Health {

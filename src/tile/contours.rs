@@ -252,7 +252,7 @@ mod tests {
     #[test]
     fn a_saddle_and_a_summit_are_drawn_as_they_are() {
         let draw = |rows: [[f32; 13]; 13]| {
-            let surface = Surface { columns: 13, rows: 13, elevation: rows.concat(), non_finite: 0 };
+            let surface = Surface { columns: 13, rows: 13, elevation: rows.concat(), ..Surface::default() };
             tests::read(&super::draw(&surface, 10.0))
         };
         let mut summit = [[0.0; 13]; 13];
@@ -270,7 +270,7 @@ mod tests {
     #[test]
     fn cliffs_without_end_are_drawn_coarser() {
         let rows = |i: usize| if (i + i / 265) % 2 == 0 { 0.0 } else { 30_000.0 };
-        let surface = Surface { columns: 265, rows: 265, elevation: (0..265 * 265).map(rows).collect(), non_finite: 0 };
+        let surface = Surface { columns: 265, rows: 265, elevation: (0..265 * 265).map(rows).collect(), ..Surface::default() };
         let lines = tests::read(&super::draw(&surface, 1.0));
         assert!(!lines.is_empty() && lines.len() < 10, "{}", lines.len());
     }

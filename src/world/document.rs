@@ -2,11 +2,12 @@
 
 use super::{
     base::{Base, ElevationRange, WrittenBase, WrittenRange, vertical},
-    layer::{Layer, Setting, WrittenLayer, layers},
+    layer::{FeatureSets, Layer, Setting, WrittenLayer, generated, layers},
     number::{optional_whole_number, whole, whole_number},
     problem::{Checks, DocumentError, check_cost, read},
     revision::Revision,
 };
+use crate::layout::geojson::Collection;
 use serde::{Deserialize, Serialize};
 
 /// The newest generator version: the code that turns documents into elevations.
@@ -58,7 +59,15 @@ impl Document {
     /// # Errors
     /// If the bytes are not JSON, or with every problem of the document that could be found.
     pub fn parse(json: &[u8]) -> Result<Self, DocumentError> {
-        let document = Self::parse_stored(json)?;
+        Self::parse_with(json, &FeatureSets::default())
+    }
+
+    /// As [`Document::parse`], with the stored sets of features that the document may name.
+    ///
+    /// # Errors
+    /// As [`Document::parse`].
+    pub fn parse_with(json: &[u8], sets: &FeatureSets) -> Result<Self, DocumentError> {
+        let document = Self::parse_stored(json, sets)?;
         check_cost(&document.base.programme, "/base/programme")?;
         Ok(document)
     }
@@ -67,8 +76,16 @@ impl Document {
     ///
     /// # Errors
     /// As [`Document::parse`].
-    pub fn parse_stored(json: &[u8]) -> Result<Self, DocumentError> {
-        read::<Written>(json)?.complete()
+    pub fn parse_stored(json: &[u8], sets: &FeatureSets) -> Result<Self, DocumentError> {
+        read::<Written>(json)?.complete(sets)
+    }
+
+    /// The features that generators make in this world, `{"generate": …}` or a list of such items, as they would be drawn.
+    ///
+    /// # Errors
+    /// If the bytes are not JSON, or with every problem that could be found.
+    pub fn generate(&self, json: &[u8]) -> Result<Collection, DocumentError> {
+        generated(json, &Setting { seed: self.seed, sea_level: self.sea_level, sets: &FeatureSets::default() })
     }
 
     /// The document as indented JSON.
@@ -110,7 +127,7 @@ struct Written<'a> {
 }
 
 impl Written<'_> {
-    fn complete(self) -> Result<Document, DocumentError> {
+    fn complete(self, sets: &FeatureSets) -> Result<Document, DocumentError> {
         let mut checks = Checks(Vec::new());
         checks.seed(self.seed);
         let generator = self.generator.unwrap_or(GENERATOR.into());
@@ -125,7 +142,7 @@ impl Written<'_> {
         }
         let base = self.base.complete("/base", &mut checks);
         // Layers may take long to make, so what else is wrong is said first.
-        let setting = Setting { seed: self.seed, sea_level };
+        let setting = Setting { seed: self.seed, sea_level, sets };
         let layers = if checks.0.is_empty() { layers(self.layers.unwrap_or_default(), &setting, &mut checks) } else { Vec::new() };
         let Some(base) = base.filter(|_| checks.0.is_empty()) else { return Err(DocumentError::Invalid(checks.0)) };
         let (title, description, attribution) = (self.title, self.description, self.attribution);

@@ -1,7 +1,10 @@
 //! What can be wrong with a document, and how it is told.
 
 use super::number::MAX_SEED;
-use crate::programme::{ParseError, Programme};
+use crate::{
+    layout::geojson::{self, ReadError},
+    programme::{ParseError, Programme},
+};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::fmt;
 
@@ -35,6 +38,12 @@ impl Problem {
         }
         let (start, end) = error.span.map_or((None, None), |span| (Some(span.start), Some(span.end)));
         Self { pointer: pointer.to_owned(), detail: error.message, at: Some(error.at), start, end }
+    }
+}
+
+impl From<geojson::Problem> for Problem {
+    fn from(problem: geojson::Problem) -> Self {
+        Self::new(problem.pointer, problem.detail)
     }
 }
 
@@ -74,6 +83,12 @@ impl Checks {
         if !(min..=max).contains(&value) {
             self.add(pointer, format!("must be {min} … {max} metres, got {value}"));
         }
+    }
+
+    /// Problems of GeoJSON that stands at a pointer.
+    pub(super) fn geojson(&mut self, at: &str, error: ReadError) {
+        let problems: Vec<geojson::Problem> = error.into();
+        self.0.extend(problems.into_iter().map(|problem| Problem::new(format!("{at}{}", problem.pointer), problem.detail)));
     }
 
     pub(super) fn seed(&mut self, seed: u64) {

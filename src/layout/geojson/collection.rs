@@ -9,7 +9,11 @@ use super::{
 };
 use crate::layout::{ContentHash, Feature};
 use serde::{Serialize, Serializer, de::DeserializeSeed, ser::SerializeMap};
-use std::{collections::BTreeMap, io::Read, sync::Arc};
+use std::{
+    collections::BTreeMap,
+    io::{BufRead, Read},
+    sync::Arc,
+};
 
 /// Most features that are read at a time, and that they may become by their detail.
 pub const MOST_FEATURES: usize = 2_000_000;
@@ -62,6 +66,16 @@ impl Collection {
         let read = Self { sets, features, form };
         read.check_ids(&mut problems);
         problems.into_result(read)
+    }
+
+    /// Reads features one a line; there may be none.
+    pub(super) fn read_lines(source: impl Read) -> Result<Self, ReadError> {
+        let mut source = std::io::BufReader::new(source);
+        match source.fill_buf() {
+            Ok([]) => Ok(Self::default()),
+            Ok(_) => Self::read(source),
+            Err(error) => Err(ReadError::Io(error)),
+        }
     }
 
     /// Reads text.
@@ -136,12 +150,14 @@ impl Collection {
         self.features[number].id.as_ref().map_or_else(|| format!("feature number {number}"), |id| format!("feature {:?}", id.to_string()))
     }
 
-    fn pointer(&self, number: usize) -> String {
+    /// A JSON pointer to a feature in what was read.
+    #[must_use]
+    pub fn pointer(&self, number: usize) -> String {
         Reader::pointer(self.form, self.features.len() == 1, number)
     }
 
     /// Finds ids that two features have.
-    fn check_ids(&self, problems: &mut Problems) {
+    pub(super) fn check_ids(&self, problems: &mut Problems) {
         let mut ids: Vec<(String, usize)> = self.features.iter().zip(0..).filter_map(|(drawn, i)| Some((drawn.id.as_ref()?.to_string(), i))).collect();
         ids.sort_unstable();
         for pair in ids.windows(2).filter(|pair| pair[0].0 == pair[1].0) {

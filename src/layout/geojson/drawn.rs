@@ -38,6 +38,17 @@ impl fmt::Display for Id {
     }
 }
 
+impl Id {
+    /// Whether it is written so.
+    #[must_use]
+    pub fn is(&self, text: &str) -> bool {
+        match self {
+            Self::Text(own) => **own == *text,
+            Self::Number(number) => number.to_string() == text,
+        }
+    }
+}
+
 impl Serialize for Id {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {

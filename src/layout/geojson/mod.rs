@@ -33,12 +33,14 @@ mod problem;
 mod properties;
 mod read;
 mod sets;
+mod stored;
 
 pub use collection::{Collection, MOST_FEATURES};
 pub use coordinates::MOST_VERTICES;
 pub use drawn::{Drawn, Id};
 pub use problem::{MOST_PROBLEMS, Problem, ReadError};
 pub use sets::Sets;
+pub use stored::{FeatureSet, StoredSet, name_of_feature};
 
 #[cfg(test)]
 mod tests;

@@ -2,7 +2,7 @@
 
 use crate::{
     geometry::{Rectangle, Window},
-    layout::{ContentHash, FieldKind, FieldSurface, Layout, LayoutSurface, Scatter, Selection},
+    layout::{ContentHash, FieldKind, FieldSurface, Layout, LayoutSurface, Scatter, Selection, geojson::FeatureSet},
 };
 use std::sync::Arc;
 
@@ -14,6 +14,8 @@ pub(super) enum Ground {
         layout: Arc<Layout>,
         /// Whether what is below the layer is the base of the merge.
         over_base: bool,
+        /// The features that generators made, as they would be drawn.
+        generated: Arc<FeatureSet>,
     },
     /// Features without end.
     Scatter(Arc<Scatter>),
@@ -31,7 +33,7 @@ impl Ground {
     /// What it is beside its features.
     pub(super) fn form(&self) -> String {
         match self {
-            Self::Layout { layout, over_base } => format!("layout {over_base} {:?}", layout.options()),
+            Self::Layout { layout, over_base, .. } => format!("layout {over_base} {:?}", layout.options()),
             Self::Scatter(_) => "scatter".to_owned(),
         }
     }
@@ -71,7 +73,7 @@ impl Ground {
     /// The terrain over a window, with the numbers of materials if they are wanted.
     pub(super) fn sample(&self, window: &Window, base: &[f32], [cover, materials]: [bool; 2]) -> (LayoutSurface, Vec<u16>) {
         match self {
-            Self::Layout { layout, over_base } => {
+            Self::Layout { layout, over_base, .. } => {
                 let fields = material(layout).filter(|_| materials).map(|(number, _)| number).into_iter().collect();
                 let selection = Selection { fields, cover, fractions: false };
                 let mut surface = layout.sample(window, over_base.then_some(base), &selection);

@@ -3,19 +3,31 @@
 mod blend;
 mod generator;
 mod ground;
+mod item;
 mod mask;
 mod source;
 
 pub(super) use blend::Below;
 pub use blend::Blend;
+pub use item::FeatureSets;
 pub use mask::Mask;
 
-use super::{name::check_name, number::whole, problem::Checks, revision::Revision};
-use crate::geometry::{PLANE_LIMIT, Rectangle, Window};
+use super::{
+    name::check_name,
+    number::whole,
+    problem::{Checks, DocumentError},
+    revision::Revision,
+};
+use crate::{
+    geometry::{PLANE_LIMIT, Rectangle, Window},
+    layout::geojson::{Collection, FeatureSet, Sets},
+};
 use ground::Ground;
+use item::{Item, generate};
 use serde::{Deserialize, Serialize};
-use source::{WrittenSource, complete};
-use std::collections::BTreeSet;
+use serde_json::Value;
+use source::{Completed, Drawing, WrittenSource, complete};
+use std::{collections::BTreeSet, sync::Arc};
 
 /// Most layers of a world.
 const MAX_LAYERS: usize = 64;
@@ -42,6 +54,8 @@ pub struct Layer {
     pub fade: f64,
     #[serde(skip)]
     ground: Ground,
+    #[serde(skip)]
+    features: Drawing,
     /// The name of all that the document says of the layer but the features.
     #[serde(skip)]
     form: Revision,
@@ -69,9 +83,11 @@ pub(super) struct WrittenLayer<'a> {
 
 /// What layers need to know of their world.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Setting {
+pub(super) struct Setting<'a> {
     pub seed: u64,
     pub sea_level: f64,
+    /// Stored sets of features that it may name.
+    pub sets: &'a FeatureSets,
 }
 
 impl WrittenLayer<'_> {
@@ -87,10 +103,10 @@ impl WrittenLayer<'_> {
         {
             checks.add(&format!("{at}/mask/polygon"), detail);
         }
-        let (source, ground) = complete(self.source, &format!("{at}/source"), setting, checks)?;
+        let Completed { source, ground, features } = complete(self.source, &format!("{at}/source"), setting, checks)?;
         let (blend, priority) = (self.blend.unwrap_or_default(), self.priority.unwrap_or(0));
         let form = Revision::of(&(blend, &self.mask, fade, ground.form()));
-        (checks.0.len() == before).then_some(Layer { name: self.name, source, blend, priority, mask: self.mask, fade, ground, form })
+        (checks.0.len() == before).then_some(Layer { name: self.name, source, blend, priority, mask: self.mask, fade, ground, features, form })
     }
 }
 
@@ -122,7 +138,47 @@ pub(super) fn materials(layers: &[Layer]) -> Vec<Box<str>> {
     all.into_iter().collect()
 }
 
+/// Makes the features of generators, `{"generate": …}` or a list of such items, as they would be drawn.
+pub(super) fn generated(json: &[u8], setting: &Setting) -> Result<Collection, DocumentError> {
+    let value: Value = serde_json::from_slice(json).map_err(|error| DocumentError::Syntax(error.to_string()))?;
+    let (items, list) = if let Value::Array(items) = value { (items, true) } else { (vec![value], false) };
+    let mut checks = Checks(Vec::new());
+    let at = |i: usize| if list { format!("/{i}") } else { String::new() };
+    let mut seeded = Vec::new();
+    for (i, item) in items.into_iter().enumerate() {
+        if item.get("generate").is_none() {
+            checks.add(&at(i), "expected {\"generate\": …}");
+        } else {
+            seeded.extend(Item::read(item, &at(i), &Sets::default(), setting, &mut checks));
+        }
+    }
+    let features = if checks.0.is_empty() { generate(&seeded, &at, setting, &mut checks) } else { None };
+    let collection = features.and_then(|features| Collection::of(&features));
+    collection.ok_or(DocumentError::Invalid(checks.0))
+}
+
 impl Layer {
+    /// The sets of attributes that its features share.
+    #[must_use]
+    pub fn attributes(&self) -> &Sets {
+        &self.features.attributes
+    }
+
+    /// The first stored set of features that it names, and which item of its list names it.
+    #[must_use]
+    pub fn stored(&self) -> Option<(usize, &Arc<FeatureSet>)> {
+        self.features.stored.as_ref().map(|(i, set)| (*i, set))
+    }
+
+    /// All its features as they were drawn, and those that generators made. Features without end are not among them.
+    pub fn drawn(&self) -> impl Iterator<Item = &Arc<FeatureSet>> + '_ {
+        let generated = match &self.ground {
+            Ground::Layout { generated, .. } => Some(generated),
+            Ground::Scatter(_) => None,
+        };
+        self.features.drawn.iter().chain(generated)
+    }
+
     /// Of each of its own numbers of materials, that in a list of all.
     pub(super) fn numbers(&self, all: &[Box<str>]) -> Vec<u16> {
         let number = |name: &Box<str>| all.partition_point(|known| known < name) as u16 + 1;

@@ -2,12 +2,16 @@
 
 use super::{
     Setting,
-    generator::{Generator, Made, Seeded, problem},
+    generator::{Generator, Seeded, problem},
     ground::Ground,
+    item::{Item, generate},
 };
 use crate::{
     geometry::PLANE_LIMIT,
-    layout::{Layout, Mix, Options, Scatter, ScatterOptions},
+    layout::{
+        Layout, Mix, Options, Scatter, ScatterOptions,
+        geojson::{Collection, FeatureSet, Sets},
+    },
     noise,
     world::{
         problem::{Checks, whole_numbers},
@@ -29,6 +33,24 @@ use std::{
 pub(super) struct WrittenSource<'a> {
     #[serde(borrow)]
     layout: WrittenLayout<'a>,
+}
+
+/// The features of a layer that were drawn.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Drawing {
+    /// Sets of attributes that all of them share.
+    pub attributes: Sets,
+    /// The features of every item that was drawn, in the order of the items.
+    pub drawn: Vec<Arc<FeatureSet>>,
+    /// The first stored set, and which item it is.
+    pub stored: Option<(usize, Arc<FeatureSet>)>,
+}
+
+/// A completed source.
+pub(super) struct Completed {
+    pub source: Value,
+    pub ground: Ground,
+    pub features: Drawing,
 }
 
 /// What lies beneath the features of a layout.
@@ -54,6 +76,8 @@ enum WrittenMix {
 #[serde(deny_unknown_fields)]
 struct WrittenLayout<'a> {
     #[serde(borrow)]
+    attributes: Option<&'a RawValue>,
+    #[serde(borrow)]
     features: Option<Vec<&'a RawValue>>,
     #[serde(borrow)]
     scatter: Option<WrittenScatter<'a>>,
@@ -75,7 +99,7 @@ struct WrittenScatter<'a> {
 }
 
 /// Checks and completes a source; makes its terrain unless that is there already or something is wrong.
-pub(super) fn complete(written: WrittenSource, at: &str, setting: &Setting, checks: &mut Checks) -> Option<(Value, Ground)> {
+pub(super) fn complete(written: WrittenSource, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
     let (layout, at) = (written.layout, format!("{at}/layout"));
     match (&layout.features, &layout.scatter) {
         (Some(_), None) => features(layout, &at, setting, checks),
@@ -87,43 +111,57 @@ pub(super) fn complete(written: WrittenSource, at: &str, setting: &Setting, chec
     }
 }
 
-fn features(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Checks) -> Option<(Value, Ground)> {
+fn features(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
     let before = checks.0.len();
+    let attributes = match written.attributes.map_or(Ok(Sets::default()), |json| Sets::parse(json.get())) {
+        Ok(sets) => sets,
+        Err(error) => {
+            checks.geojson(&format!("{at}/attributes"), error);
+            return None;
+        }
+    };
     let mut items = Vec::new();
     for (i, item) in written.features.into_iter().flatten().enumerate() {
-        let at = format!("{at}/features/{i}");
         let value: Value = serde_json::from_str(item.get()).ok()?;
-        if value.get("generate").is_some() {
-            items.extend(Seeded::read(whole_numbers(value), &at, setting, checks));
-        } else {
-            checks.add(&at, "expected {\"generate\": …}");
-        }
+        items.extend(Item::read(value, &format!("{at}/features/{i}"), &attributes, setting, checks));
     }
     if checks.0.len() > before {
         return None;
     }
     let (mix, base, defaults) = (written.mix.unwrap_or_default(), written.base.unwrap_or_default(), written.defaults.unwrap_or_default());
-    let completed: Vec<Value> = items.iter().map(Seeded::to_json).collect();
-    let source = whole_numbers(json!({"layout": {"features": completed, "mix": mix, "base": base, "defaults": defaults}}));
+    let completed: Vec<Value> = items.iter().map(Item::to_json).collect();
+    let mut source = json!({"layout": {"features": completed, "mix": mix, "base": base, "defaults": defaults}});
+    if !attributes.is_empty() {
+        source["layout"]["attributes"] = json!(attributes);
+    }
+    let source = whole_numbers(source);
     let ground = made(&source, setting, || {
-        let mut made = Made::default();
+        let mut features = generate(&items, &|i| format!("{at}/features/{i}"), setting, checks)?;
+        // Generated features are as anybody could have drawn them: their detail is lazy.
+        let generated = Arc::new(Collection::of(&features)?.into());
         for (i, item) in items.iter().enumerate() {
-            let nested = matches!(item.generator, Generator::Island(_));
-            item.make(&mut made, setting).map_err(|error| problem(&error, &format!("{at}/features/{i}"), nested, checks)).ok()?;
+            let Some(set) = item.drawn() else { continue };
+            features.extend(set.collection().features(&attributes).map_err(|error| checks.geojson(&format!("{at}/features/{i}"), error)).ok()?);
         }
-        let features = made.features().map_err(|error| problem(&error, at, false, checks)).ok()?;
         let mix = match mix {
             WrittenMix::Max => Mix::Max,
             WrittenMix::Sum => Mix::Sum,
         };
         let layout = Layout::new(features, Options { mix, sea_level: None, defaults }).map_err(|error| checks.add(at, error.to_string())).ok()?;
-        Some(Ground::Layout { layout: Arc::new(layout), over_base: base == Beneath::World })
-    });
-    Some((source, ground?))
+        Some(Ground::Layout { layout: Arc::new(layout), over_base: base == Beneath::World, generated })
+    })?;
+    let stored = items.iter().enumerate().find_map(|(i, item)| if let Item::Stored(..) = item { Some((i, Arc::clone(item.drawn()?))) } else { None });
+    let drawn = items.iter().filter_map(|item| item.drawn().cloned()).collect();
+    Some(Completed { source, ground, features: Drawing { attributes, drawn, stored } })
 }
 
-fn scatter(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Checks) -> Option<(Value, Ground)> {
-    for (field, given) in [("mix", written.mix.is_some()), ("base", written.base.is_some()), ("defaults", written.defaults.is_some())] {
+fn scatter(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
+    for (field, given) in [
+        ("attributes", written.attributes.is_some()),
+        ("mix", written.mix.is_some()),
+        ("base", written.base.is_some()),
+        ("defaults", written.defaults.is_some()),
+    ] {
         if given {
             checks.add(&format!("{at}/{field}"), "has no meaning beside scatter");
         }
@@ -175,7 +213,7 @@ fn scatter(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Che
             })
             .ok()
     });
-    Some((source, ground?))
+    Some(Completed { source, ground: ground?, features: Drawing::default() })
 }
 
 /// What was made and is still used by some world, by the name of the source and its setting.
@@ -183,7 +221,7 @@ type Known = LruCache<Revision, Remembered>;
 
 /// As [`Ground`], while others keep it.
 enum Remembered {
-    Layout(Weak<Layout>, bool),
+    Layout(Weak<Layout>, bool, Weak<FeatureSet>),
     Scatter(Weak<Scatter>),
 }
 
@@ -197,7 +235,9 @@ fn made(source: &Value, setting: &Setting, make: impl FnOnce() -> Option<Ground>
     let key = Revision::of(&(source, setting.seed, setting.sea_level));
     let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
     let remembered = match known().get(&key) {
-        Some(Remembered::Layout(layout, over_base)) => layout.upgrade().map(|layout| Ground::Layout { layout, over_base: *over_base }),
+        Some(Remembered::Layout(layout, over_base, generated)) => {
+            layout.upgrade().zip(generated.upgrade()).map(|(layout, generated)| Ground::Layout { layout, over_base: *over_base, generated })
+        }
         Some(Remembered::Scatter(scatter)) => scatter.upgrade().map(Ground::Scatter),
         None => None,
     };
@@ -206,7 +246,7 @@ fn made(source: &Value, setting: &Setting, make: impl FnOnce() -> Option<Ground>
     }
     let ground = make()?;
     let weak = match &ground {
-        Ground::Layout { layout, over_base } => Remembered::Layout(Arc::downgrade(layout), *over_base),
+        Ground::Layout { layout, over_base, generated } => Remembered::Layout(Arc::downgrade(layout), *over_base, Arc::downgrade(generated)),
         Ground::Scatter(scatter) => Remembered::Scatter(Arc::downgrade(scatter)),
     };
     known().put(key, weak);
