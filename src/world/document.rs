@@ -2,7 +2,7 @@
 
 use super::{
     base::{Base, ElevationRange, WrittenBase, WrittenRange, vertical},
-    layer::{Layer, Setting, WrittenLayer, layers},
+    layer::{FeatureSets, Layer, Setting, WrittenLayer, layers},
     number::{optional_whole_number, whole, whole_number},
     problem::{Checks, DocumentError, check_cost, read},
     revision::Revision,
@@ -68,7 +68,15 @@ impl Document {
     /// # Errors
     /// As [`Document::parse`].
     pub fn parse_stored(json: &[u8]) -> Result<Self, DocumentError> {
-        read::<Written>(json)?.complete()
+        Self::parse_with(json, &())
+    }
+
+    /// As [`Document::parse_stored`], with the sets of features that layers may name.
+    ///
+    /// # Errors
+    /// As [`Document::parse`].
+    pub fn parse_with(json: &[u8], sets: &dyn FeatureSets) -> Result<Self, DocumentError> {
+        read::<Written>(json)?.complete(sets)
     }
 
     /// The document as indented JSON.
@@ -110,7 +118,7 @@ struct Written<'a> {
 }
 
 impl Written<'_> {
-    fn complete(self) -> Result<Document, DocumentError> {
+    fn complete(self, sets: &dyn FeatureSets) -> Result<Document, DocumentError> {
         let mut checks = Checks(Vec::new());
         checks.seed(self.seed);
         let generator = self.generator.unwrap_or(GENERATOR.into());
@@ -125,7 +133,7 @@ impl Written<'_> {
         }
         let base = self.base.complete("/base", &mut checks);
         // Layers may take long to make, so what else is wrong is said first.
-        let setting = Setting { seed: self.seed, sea_level };
+        let setting = Setting { seed: self.seed, sea_level, sets };
         let layers = if checks.0.is_empty() { layers(self.layers.unwrap_or_default(), &setting, &mut checks) } else { Vec::new() };
         let Some(base) = base.filter(|_| checks.0.is_empty()) else { return Err(DocumentError::Invalid(checks.0)) };
         let (title, description, attribution) = (self.title, self.description, self.attribution);

@@ -19,7 +19,7 @@ pub use document::{Document, GENERATOR};
 pub use evaluate::World;
 pub use examples::{EXAMPLES, Example, PRESETS};
 pub use fingerprint::Fingerprint;
-pub use layer::{Blend, Layer, Mask};
+pub use layer::{Blend, FeatureSets, Layer, Mask};
 pub use name::check_name;
 pub use preset::Preset;
 pub use problem::{DocumentError, Problem};

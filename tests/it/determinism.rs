@@ -4,7 +4,7 @@ use crate::client::Client;
 use terrane::{
     geometry::{Filter, Grid, Samples, Tile},
     noise::mix,
-    tile::{TileRequest, Tileset, render},
+    tile::{Height, TileRequest, Tileset, render},
     world::{Document, EXAMPLES, World},
 };
 
@@ -13,7 +13,7 @@ fn worlds() -> Vec<World> {
 }
 
 fn vertices(world: &World, grid: Grid, tile: Tile, n: usize, filter: Filter) -> Vec<f32> {
-    let request = TileRequest { grid, tile, samples: Samples::Vertices(n), filter, tileset: Tileset::R32 };
+    let request = TileRequest { grid, tile, samples: Samples::Vertices(n), filter, tileset: Tileset::R32, height: Height::Ground };
     let bytes = render(world, &request).unwrap();
     bytes.chunks_exact(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect()
 }
@@ -68,8 +68,14 @@ fn edges_of_all_tilesets_are_alike_at_pixel_centres() {
     // Hillshade of one 512-pixel tile and of its four 256-pixel quarters one level deeper are samples of the same lattice: they must be equal, edges included.
     let world = &worlds()[0];
     let shade = |z, x, y, side| {
-        let request =
-            TileRequest { grid: Grid::Web, tile: Tile { z, x, y }, samples: Samples::Centres(side), filter: Filter::Band, tileset: Tileset::Hillshade };
+        let request = TileRequest {
+            grid: Grid::Web,
+            tile: Tile { z, x, y },
+            samples: Samples::Centres(side),
+            filter: Filter::Band,
+            tileset: Tileset::Hillshade,
+            height: Height::Ground,
+        };
         image::load_from_memory(&render(world, &request).unwrap()).unwrap().into_luma8()
     };
     let whole = shade(9, 255, 255, 512);

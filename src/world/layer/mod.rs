@@ -11,11 +11,14 @@ pub use blend::Blend;
 pub use mask::Mask;
 
 use super::{name::check_name, number::whole, problem::Checks, revision::Revision};
-use crate::geometry::{PLANE_LIMIT, Rectangle, Window};
+use crate::{
+    geometry::{PLANE_LIMIT, Rectangle, Window},
+    layout::geojson::Collection,
+};
 use ground::Ground;
 use serde::{Deserialize, Serialize};
 use source::{WrittenSource, complete};
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, sync::Arc};
 
 /// Most layers of a world.
 const MAX_LAYERS: usize = 64;
@@ -68,10 +71,24 @@ pub(super) struct WrittenLayer<'a> {
 }
 
 /// What layers need to know of their world.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Setting {
+#[derive(Clone, Copy)]
+pub(super) struct Setting<'a> {
     pub seed: u64,
     pub sea_level: f64,
+    pub sets: &'a dyn FeatureSets,
+}
+
+/// Stored sets of features, by the hash of their content.
+pub trait FeatureSets {
+    /// The set of a hash; `None` if there is none.
+    fn get(&self, hash: &str) -> Option<Arc<Collection>>;
+}
+
+/// No sets at all.
+impl FeatureSets for () {
+    fn get(&self, _: &str) -> Option<Arc<Collection>> {
+        None
+    }
 }
 
 impl WrittenLayer<'_> {

@@ -7,7 +7,10 @@ use super::{
 };
 use crate::{
     geometry::PLANE_LIMIT,
-    layout::{Layout, Mix, Options, Scatter, ScatterOptions},
+    layout::{
+        Layout, Mix, Options, Scatter, ScatterOptions,
+        geojson::{Collection, ReadError, Sets},
+    },
     noise,
     world::{
         problem::{Checks, whole_numbers},
@@ -54,6 +57,8 @@ enum WrittenMix {
 #[serde(deny_unknown_fields)]
 struct WrittenLayout<'a> {
     #[serde(borrow)]
+    attributes: Option<&'a RawValue>,
+    #[serde(borrow)]
     features: Option<Vec<&'a RawValue>>,
     #[serde(borrow)]
     scatter: Option<WrittenScatter<'a>>,
@@ -87,30 +92,83 @@ pub(super) fn complete(written: WrittenSource, at: &str, setting: &Setting, chec
     }
 }
 
-fn features(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Checks) -> Option<(Value, Ground)> {
-    let before = checks.0.len();
-    let mut items = Vec::new();
-    for (i, item) in written.features.into_iter().flatten().enumerate() {
-        let at = format!("{at}/features/{i}");
-        let value: Value = serde_json::from_str(item.get()).ok()?;
+/// One of a layout's features: drawn, stored or generated.
+enum Item {
+    Drawn(Box<Collection>),
+    /// The hash of a stored set of features, and what it stands for.
+    Stored(String, Arc<Collection>),
+    Generated(Box<Seeded>),
+}
+
+impl Item {
+    fn read(item: &str, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Self> {
+        let value: Value = serde_json::from_str(item).ok()?;
         if value.get("generate").is_some() {
-            items.extend(Seeded::read(whole_numbers(value), &at, setting, checks));
-        } else {
-            checks.add(&at, "expected {\"generate\": …}");
+            return Seeded::read(whole_numbers(value), at, setting, checks).map(|seeded| Self::Generated(Box::new(seeded)));
+        }
+        if let Some(hash) = value.get("set") {
+            let hash = hash.as_str().filter(|_| value.as_object().is_some_and(|object| object.len() == 1));
+            let found = hash.and_then(|hash| Some((hash, setting.sets.get(hash)?)));
+            if found.is_none() {
+                checks.add(&format!("{at}/set"), "must be the hash of a stored set of features, and stand alone");
+            }
+            return found.map(|(hash, set)| Self::Stored(hash.to_owned(), set));
+        }
+        if value.get("type").is_none() {
+            checks.add(at, "must be a GeoJSON Feature or FeatureCollection, {\"generate\": …} or {\"set\": …}");
+            return None;
+        }
+        Collection::parse(item).map_err(|error| unreadable(error, at, checks)).ok().map(|collection| Self::Drawn(Box::new(collection)))
+    }
+
+    fn to_json(&self) -> Value {
+        match self {
+            Self::Drawn(collection) => json!(collection),
+            Self::Stored(hash, _) => json!({"set": hash}),
+            Self::Generated(seeded) => seeded.to_json(),
         }
     }
+
+    /// Adds its features to those that were made before.
+    fn make(&self, made: &mut Made, sets: &Sets, at: &str, setting: &Setting, checks: &mut Checks) -> Option<()> {
+        let features = match self {
+            Self::Generated(seeded) => {
+                let nested = matches!(seeded.generator, Generator::Island(_));
+                return seeded.make(made, sets, setting).map_err(|error| problem(&error, at, nested, checks)).ok();
+            }
+            Self::Drawn(collection) => collection.features(sets),
+            Self::Stored(_, collection) => collection.features(sets),
+        };
+        made.others.extend(features.map_err(|error| unreadable(error, at, checks)).ok()?);
+        Some(())
+    }
+}
+
+/// Adds the problems of features that stand at a pointer.
+fn unreadable(error: ReadError, at: &str, checks: &mut Checks) {
+    match error {
+        ReadError::Invalid(problems) => problems.into_iter().for_each(|problem| checks.add(&format!("{at}{}", problem.pointer), problem.detail)),
+        ReadError::Io(error) => checks.add(at, error.to_string()),
+    }
+}
+
+fn features(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Checks) -> Option<(Value, Ground)> {
+    let before = checks.0.len();
+    let sets = written.attributes.map_or_else(|| Ok(Sets::default()), |sets| Sets::parse(sets.get()));
+    let sets = sets.map_err(|error| unreadable(error, &format!("{at}/attributes"), checks)).unwrap_or_default();
+    let items: Vec<(String, &RawValue)> = written.features.into_iter().flatten().zip(0..).map(|(item, i)| (format!("{at}/features/{i}"), item)).collect();
+    let items: Vec<(String, Item)> = items.into_iter().filter_map(|(at, item)| Some((at.clone(), Item::read(item.get(), &at, setting, checks)?))).collect();
     if checks.0.len() > before {
         return None;
     }
     let (mix, base, defaults) = (written.mix.unwrap_or_default(), written.base.unwrap_or_default(), written.defaults.unwrap_or_default());
-    let completed: Vec<Value> = items.iter().map(Seeded::to_json).collect();
-    let source = whole_numbers(json!({"layout": {"features": completed, "mix": mix, "base": base, "defaults": defaults}}));
+    let completed: Vec<Value> = items.iter().map(|(_, item)| item.to_json()).collect();
+    let source = whole_numbers(json!({"layout": {"attributes": sets, "features": completed, "mix": mix, "base": base, "defaults": defaults}}));
     let ground = made(&source, setting, || {
         let mut made = Made::default();
-        for (i, item) in items.iter().enumerate() {
-            let nested = matches!(item.generator, Generator::Island(_));
-            item.make(&mut made, setting).map_err(|error| problem(&error, &format!("{at}/features/{i}"), nested, checks)).ok()?;
-        }
+        // All items are asked, so that every problem is named.
+        let all: Vec<Option<()>> = items.iter().map(|(at, item)| item.make(&mut made, &sets, at, setting, checks)).collect();
+        all.into_iter().collect::<Option<()>>()?;
         let features = made.features().map_err(|error| problem(&error, at, false, checks)).ok()?;
         let mix = match mix {
             WrittenMix::Max => Mix::Max,
@@ -123,7 +181,12 @@ fn features(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Ch
 }
 
 fn scatter(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Checks) -> Option<(Value, Ground)> {
-    for (field, given) in [("mix", written.mix.is_some()), ("base", written.base.is_some()), ("defaults", written.defaults.is_some())] {
+    for (field, given) in [
+        ("attributes", written.attributes.is_some()),
+        ("mix", written.mix.is_some()),
+        ("base", written.base.is_some()),
+        ("defaults", written.defaults.is_some()),
+    ] {
         if given {
             checks.add(&format!("{at}/{field}"), "has no meaning beside scatter");
         }
@@ -141,7 +204,7 @@ fn scatter(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Che
         checks.add(&format!("{template_at}/generate"), "must be \"island\"");
         return None;
     }
-    for field in ["seed", "landmass/centre"] {
+    for field in ["seed", "styles", "landmass/centre"] {
         if value.pointer(&format!("/{field}")).is_some_and(|value| !matches!(value, Value::Array(pair) if pair.iter().all(|c| c.as_f64() == Some(0.0)))) {
             checks.add(&format!("{template_at}/{field}"), "is the cell's: leave it out");
         }
