@@ -49,6 +49,16 @@ const FAR_NS: f64 = 150.0;
 /// Nanoseconds to lay out a cell's far form.
 const FAR_CELL_NS: f64 = 3_000.0;
 
+/// Places of rivers that the widest tile of `TILE` samples that sees islands from near may have to generate.
+const MOST_PLACES: f64 = 100_000.0;
+const TILE: f64 = 512.0;
+
+/// Places of rivers of an island, about.
+fn places(island: &Island) -> f64 {
+    let across = island.landmass.radius / island.rivers.spacing;
+    core::f64::consts::PI * across * across
+}
+
 /// How islands are scattered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScatterOptions {
@@ -132,6 +142,11 @@ impl Scatter {
         let most = 0.5 * options.cell / options.scale[1];
         check("landmass.radius", land + shelf, 0.0..=most)?;
         let styles = Styles::for_sea(template.rivers.spacing, 0, options.sea_level)?;
+        let across = TILE * options.far_spacing / options.cell + 2.0;
+        let expected = across * across * options.chance * places(&template);
+        if expected > MOST_PLACES {
+            return Err(GenerateError::TooMany { place: "scatter.far_spacing", expected, limit: MOST_PLACES as usize });
+        }
         let far = Far::new(&template, &styles, &options, [land, shelf])?;
         let digest = Sha256::digest(format!("{template:?} {options:?}"));
         let cells = Mutex::new(LruCache::new(KEPT));
@@ -228,8 +243,6 @@ impl Scatter {
         let mut cost = if forms.far > 0.0 { FAR_NS * samples + FAR_CELL_NS * self.touched(window) as f64 } else { 0.0 };
         if forms.far < 1.0 {
             let (rows, columns) = (self.runs(window.rows.coordinates()), self.runs(window.columns.coordinates()));
-            let island = &self.template;
-            let places = core::f64::consts::PI * (island.landmass.radius / island.rivers.spacing) * (island.landmass.radius / island.rivers.spacing);
             let all = (rows.len() * columns.len()) as f64;
             let kept = if all <= KEPT.get() as f64 {
                 let cells = self.cells.lock().unwrap_or_else(PoisonError::into_inner);
@@ -237,7 +250,7 @@ impl Scatter {
             } else {
                 0.0
             };
-            cost += NEAR_NS * samples + (all - kept) * self.options.chance * places * PLACE_NS;
+            cost += NEAR_NS * samples + (all - kept) * self.options.chance * places(&self.template) * PLACE_NS;
         }
         cost
     }

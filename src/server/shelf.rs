@@ -142,17 +142,19 @@ impl<T: Shelved> Shelf<T> {
     }
 }
 
-/// Reads what ships with the program.
-pub(super) fn shipped<T: Shelved>(name: &str, json: &str) -> Result<Content, LoadError> {
-    parse::<T>(name, json).map(|document| T::content(&document))
+/// Reads what ships with the program, on the compute pool.
+pub(super) async fn shipped<T: Shelved>(compute: &Compute, name: &'static str, json: &'static str) -> Result<Content, LoadError> {
+    compute.run(move || parse::<T>(name, json).map(|document| T::content(&document))).await?
 }
 
 fn parse<T: Shelved>(name: &str, body: &str) -> Result<T::Document, LoadError> {
     T::parse_stored(body.as_bytes()).map_err(|error| LoadError::Document { kind: T::KIND, name: name.to_owned(), error })
 }
 
+/// Reads, generates, compiles, and surveys where that is needed, on the compute pool.
 async fn revive<T: Shelved>(compute: &Compute, name: &str, body: &str) -> Result<Arc<T>, LoadError> {
-    Ok(prepare(compute, name, parse::<T>(name, body)?).await?)
+    let (name, body) = (name.to_owned(), body.to_owned());
+    compute.run(move || Ok(Arc::new(T::new(&name, parse::<T>(&name, &body)?)))).await?
 }
 
 /// Compiles, and surveys where that is needed, on the compute pool.
