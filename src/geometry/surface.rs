@@ -79,6 +79,13 @@ impl Surface {
         bands.collect()
     }
 
+    /// Makes the surface of the water the ground, where its depth is known.
+    pub fn raise_to_water(&mut self) {
+        for (elevation, depth) in self.elevation.iter_mut().zip(&mut self.water_depth) {
+            *elevation += std::mem::take(depth);
+        }
+    }
+
     /// The elevation at a row and column.
     ///
     /// # Panics
@@ -106,8 +113,30 @@ impl Surface {
     }
 }
 
+/// What one needs to know to draw the surfaces of a source in colour.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Legend {
+    /// Elevation of the sea's surface in metres.
+    pub sea_level: f64,
+    /// Least and greatest elevation there can be, in metres.
+    pub range: [f64; 2],
+    /// The material of number n in [`Surface::material`] is the one at n - 1.
+    pub materials: Vec<Box<str>>,
+}
+
+impl Default for Legend {
+    fn default() -> Self {
+        Self { sea_level: 0.0, range: [-10_000.0, 9_000.0], materials: Vec::new() }
+    }
+}
+
 /// Something that gives terrain over a window of the plane.
 pub trait Source {
+    /// How its surfaces can be drawn.
+    fn legend(&self) -> Legend {
+        Legend::default()
+    }
+
     /// Fills `surface`, which has the window's size, with the terrain at the window's samples.
     ///
     /// The result at a sample depends on its coordinates, the spacing and the filter alone.

@@ -39,12 +39,25 @@ const BULGE: f64 = 1.2;
 /// Metres from the land over which the shelf goes down to what is beneath, as a multiple of the rivers' spacing: where the sea's own profile ends.
 const SHELF: f64 = 4.0;
 
+/// The part of the shelf, from the coast on, that is all the island's: the true coast may lie there.
+const BEACH: f64 = 0.3;
+
 /// Nanoseconds to generate an island for every place of a river, and to evaluate a sample of it near and far.
 const PLACE_NS: f64 = 90_000.0;
 const NEAR_NS: f64 = 400.0;
 const FAR_NS: f64 = 150.0;
 /// Nanoseconds to lay out a cell's far form.
 const FAR_CELL_NS: f64 = 3_000.0;
+
+/// Places of rivers that the widest tile of `TILE` samples that sees islands from near may have to generate.
+const MOST_PLACES: f64 = 100_000.0;
+const TILE: f64 = 512.0;
+
+/// Places of rivers of an island, about.
+fn places(island: &Island) -> f64 {
+    let across = island.landmass.radius / island.rivers.spacing;
+    core::f64::consts::PI * across * across
+}
 
 /// How islands are scattered.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,16 +99,16 @@ struct Place {
     centre: [f64; 2],
     scale: f64,
     seed: u64,
-    /// Metres from the centre up to which there is the island alone, and from which there is nothing of it.
-    reach: [f64; 2],
+    /// Metres from the centre from which on there is nothing of the island.
+    reach: f64,
+    /// Metres from the coast from which on there is nothing of the island.
+    shelf: f64,
 }
 
 impl Place {
-    /// How much of the island shows, 1 on land and 0 at the borders of its cell.
-    fn share(&self, p: [f64; 2]) -> f64 {
-        let (x, y) = (p[0] - self.centre[0], p[1] - self.centre[1]);
-        let [land, end] = self.reach;
-        let t = ((end - (x * x + y * y).sqrt()) / (end - land)).clamp(0.0, 1.0);
+    /// How much of the island shows at a signed distance from the coast as it is seen from afar: all of it on land, nothing where the shelf ends.
+    fn share(&self, distance: f64) -> f64 {
+        let t = ((self.shelf - distance) / (self.shelf * (1.0 - BEACH))).clamp(0.0, 1.0);
         t * t * (3.0 - 2.0 * t)
     }
 }
@@ -129,6 +142,11 @@ impl Scatter {
         let most = 0.5 * options.cell / options.scale[1];
         check("landmass.radius", land + shelf, 0.0..=most)?;
         let styles = Styles::for_sea(template.rivers.spacing, 0, options.sea_level)?;
+        let across = TILE * options.far_spacing / options.cell + 2.0;
+        let expected = across * across * options.chance * places(&template);
+        if expected > MOST_PLACES {
+            return Err(GenerateError::TooMany { place: "scatter.far_spacing", expected, limit: MOST_PLACES as usize });
+        }
         let far = Far::new(&template, &styles, &options, [land, shelf])?;
         let digest = Sha256::digest(format!("{template:?} {options:?}"));
         let cells = Mutex::new(LruCache::new(KEPT));
@@ -158,10 +176,10 @@ impl Scatter {
             return None;
         }
         let scale = least * libm::pow(most / least, stream.unit());
-        let reach = [self.land * scale, (self.land + self.shelf) * scale];
-        let free = (0.5 * side - reach[1]).max(0.0);
+        let reach = (self.land + self.shelf) * scale;
+        let free = (0.5 * side - reach).max(0.0);
         let centre = cell.map(|index| (index as f64 + 0.5) * side + free * stream.between(-1.0, 1.0));
-        Some(Place { centre, scale, seed: stream.bits(), reach })
+        Some(Place { centre, scale, seed: stream.bits(), reach, shelf: self.shelf * scale })
     }
 
     /// The features of a cell, from the map or generated now.
@@ -225,8 +243,6 @@ impl Scatter {
         let mut cost = if forms.far > 0.0 { FAR_NS * samples + FAR_CELL_NS * self.touched(window) as f64 } else { 0.0 };
         if forms.far < 1.0 {
             let (rows, columns) = (self.runs(window.rows.coordinates()), self.runs(window.columns.coordinates()));
-            let island = &self.template;
-            let places = core::f64::consts::PI * (island.landmass.radius / island.rivers.spacing) * (island.landmass.radius / island.rivers.spacing);
             let all = (rows.len() * columns.len()) as f64;
             let kept = if all <= KEPT.get() as f64 {
                 let cells = self.cells.lock().unwrap_or_else(PoisonError::into_inner);
@@ -234,7 +250,7 @@ impl Scatter {
             } else {
                 0.0
             };
-            cost += NEAR_NS * samples + (all - kept) * self.options.chance * places * PLACE_NS;
+            cost += NEAR_NS * samples + (all - kept) * self.options.chance * places(&self.template) * PLACE_NS;
         }
         cost
     }
@@ -272,16 +288,17 @@ impl Scatter {
         let Some(place) = self.place(cell) else { return };
         let part = window.part([row.1.start, row.1.len()], [column.1.start, column.1.len()]);
         let within = part.bounds();
-        if !Rectangle::around(&[place.centre]).grown(place.reach[1]).meets(&within) {
+        if !Rectangle::around(&[place.centre]).grown(place.reach).meets(&within) {
             return;
         }
         let near = if forms.far < 1.0 { self.cell(cell, &place).map(|layout| self.near(&layout, &part, out)) } else { None };
-        let far = (forms.far > 0.0).then(|| self.far.cell(&self.template, &place, self.options.sea_level));
+        let far = self.far.cell(&self.template, &place, self.options.sea_level);
         let spacing = window.spacing();
         for (i, y) in part.rows.coordinates().enumerate() {
             for (j, x) in part.columns.coordinates().enumerate() {
                 let (from, to) = (i * part.columns.len() + j, (row.1.start + i) * out.columns + column.1.start + j);
-                let share = place.share([x, y]);
+                let distance = far.distance([x, y]);
+                let share = place.share(distance);
                 if share == 0.0 {
                     continue;
                 }
@@ -292,8 +309,8 @@ impl Scatter {
                     dry: 0.0,
                     material: materials.get(from).copied().unwrap_or(0),
                 });
-                if let Some(far) = &far {
-                    island = island.mixed(&far.sample([x, y], spacing), forms.far);
+                if forms.far > 0.0 {
+                    island = island.mixed(&far.sample(distance, spacing), forms.far);
                 }
                 out.put(to, &island, share);
             }
@@ -339,7 +356,8 @@ impl Scatter {
             let island = self.far.cell(&self.template, &place, self.options.sea_level);
             for sample in (0..SAMPLES * SAMPLES).map(|i| [i % SAMPLES, i / SAMPLES]) {
                 let p = [0, 1].map(|axis| cell[axis] as f64 * self.options.cell + (sample[axis] as f64 + 0.5) * side);
-                let (share, sample) = (place.share(p), island.sample(p, side));
+                let distance = island.distance(p);
+                let (share, sample) = (place.share(distance), island.sample(distance, side));
                 means.share += share;
                 means.elevation += share * sample.elevation;
                 means.cover += share * sample.cover;

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     geometry::{Filter, Grid, MAX_SIDE, MAX_ZOOM, Samples, Tile},
     store::Condition,
-    tile::{TileRequest, Tileset},
+    tile::{Height, TileRequest, Tileset},
     world::{Revision, check_name},
 };
 use axum::{
@@ -174,6 +174,7 @@ impl FromRequestParts<App> for TilesetPath {
 #[serde(deny_unknown_fields)]
 struct TileQuery {
     filter: Option<String>,
+    surface: Option<String>,
 }
 
 /// A tile that there is.
@@ -195,7 +196,13 @@ impl FromRequestParts<App> for TilePath {
             Some("exact") => Filter::Exact,
             Some(other) => return Err(ApiError::parameter("filter", format!("must be band or exact, got {other:?}"))),
         };
-        Ok(Self(TileRequest { grid, tile, samples, filter, tileset }))
+        let height = match query.surface.as_deref() {
+            None | Some("ground") => Height::Ground,
+            Some("water") if tileset.has_height() => Height::Water,
+            Some("water") => return Err(ApiError::parameter("surface", format!("{} draws no heights: leave it out", tileset.name()))),
+            Some(other) => return Err(ApiError::parameter("surface", format!("must be ground or water, got {other:?}"))),
+        };
+        Ok(Self(TileRequest { grid, tile, samples, filter, tileset, height }))
     }
 }
 

@@ -28,9 +28,31 @@ pub(super) struct WorldSchema {
     sea_level: f64,
     #[schema(inline)]
     base: BaseSchema,
-    /// What lies above the base: no layer source is built yet, so this is empty.
-    #[schema(required = false, max_items = 0)]
-    layers: Vec<serde_json::Value>,
+    /// What lies above the base, at most 64 layers.
+    #[schema(required = false, max_items = 64)]
+    layers: Vec<LayerSchema>,
+}
+
+/// Something that lies above the base.
+#[derive(ToSchema)]
+#[schema(as = Layer)]
+#[expect(dead_code, reason = "as above")]
+pub(super) struct LayerSchema {
+    /// 1 to 63 of a … z, 0 … 9 and -; like none of the others.
+    name: String,
+    /// Where its terrain comes from: `{"layout": …}`, see docs/layouts.md.
+    source: serde_json::Value,
+    /// `replace`, `add`, `max` or `min`.
+    #[schema(required = false, default = "replace")]
+    blend: String,
+    /// Layers are laid in ascending priority, of equal priority in their order.
+    #[schema(required = false, default = 0)]
+    priority: i32,
+    /// Where it shows: `{"polygon": [[x, y], …]}` in metres, 3 to 512 corners; everywhere without one.
+    mask: Option<serde_json::Value>,
+    /// Metres inside the mask's border over which the layer comes up to its full strength.
+    #[schema(required = false, default = 0, minimum = 0)]
+    fade: f64,
 }
 
 /// The vertical range, in metres.
@@ -201,6 +223,20 @@ pub(super) struct TileJson {
     /// How elevation is packed; not there for pictures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub encoding: Option<&'static str>,
+    /// What the numbers of `materials` mean, and the colours of `relief`; 0 is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub materials: Option<Vec<MaterialSchema>>,
+}
+
+/// A material of the ground.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Material)]
+pub(super) struct MaterialSchema {
+    /// Its number in tiles, 1 … 255.
+    pub id: usize,
+    pub name: String,
+    /// `#rrggbb`.
+    pub colour: String,
 }
 
 /// The ground at a point, in metres.

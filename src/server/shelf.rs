@@ -173,20 +173,20 @@ impl<T: Shelved> Shelf<T> {
     }
 }
 
-/// Reads what ships with the program.
-pub(super) fn shipped<T: Shelved>(name: &str, json: &str) -> Result<Content, LoadError> {
-    parse::<T>(name, json, &FeatureSets::default()).map(|document| T::content(&document))
+/// Reads what ships with the program, on the compute pool.
+pub(super) async fn shipped<T: Shelved>(compute: &Compute, name: &'static str, json: &'static str) -> Result<Content, LoadError> {
+    compute.run(move || parse::<T>(name, json, &FeatureSets::default()).map(|document| T::content(&document))).await?
 }
 
 fn parse<T: Shelved>(name: &str, body: &str, sets: &FeatureSets) -> Result<T::Document, LoadError> {
     T::parse_stored(body.as_bytes(), sets).map_err(|error| LoadError::Document { kind: T::KIND, name: name.to_owned(), error })
 }
 
+/// Reads, generates, compiles, and surveys where that is needed, on the compute pool.
 async fn revive<T: Shelved>(compute: &Compute, sets: &StoredSets, name: &str, body: String) -> Result<Arc<T>, LoadError> {
     let found = sets.find(compute, T::sets_in(body.as_bytes()), None).await?;
-    let owned = name.to_owned();
-    let document = compute.run(move || parse::<T>(&owned, &body, &found)).await??;
-    Ok(prepare(compute, name, document).await?)
+    let name = name.to_owned();
+    compute.run(move || Ok(Arc::new(T::new(&name, parse::<T>(&name, &body, &found)?)))).await?
 }
 
 /// Compiles, and surveys where that is needed, on the compute pool.

@@ -85,7 +85,7 @@ impl Worlds {
     pub(super) async fn load(store: Store, compute: Arc<Compute>, sets: Arc<StoredSets>, old_revisions: NonZeroUsize) -> Result<Self, LoadError> {
         if store.is_empty(Kind::World).await? {
             for example in EXAMPLES {
-                store.save(example.name, shipped::<Live>(example.name, example.json)?, &Condition::Any).await?;
+                store.save(example.name, shipped::<Live>(&compute, example.name, example.json).await?, &Condition::Any).await?;
             }
         }
         Ok(Self { shelf: Shelf::load(store, compute, sets).await?, old: Mutex::new(LruCache::new(old_revisions)) })

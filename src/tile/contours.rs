@@ -182,7 +182,7 @@ mod tests {
     use super::*;
     use crate::{
         geometry::{Filter, Samples, Source, Tile},
-        tile::{TileRequest, Tileset, mvt::tests, render},
+        tile::{Height, TileRequest, Tileset, mvt::tests, render},
     };
 
     /// Smooth hills whose elevations are known everywhere.
@@ -199,7 +199,7 @@ mod tests {
 
     fn tile(x: i64, y: i64, side: usize) -> Vec<tests::Read> {
         let tile = Tile { z: 9, x, y };
-        let request = TileRequest { grid: Grid::Web, tile, samples: Samples::Vertices(side), filter: Filter::Exact, tileset: Tileset::Contours };
+        let request = TileRequest { grid: Grid::Web, tile, samples: Samples::Vertices(side), filter: Filter::Exact, tileset: Tileset::Contours, height: Height::Ground };
         tests::read(&render(&Hills, &request).expect("drawn"))
     }
 

@@ -1,7 +1,7 @@
 //! The ways a surface is drawn as a tile.
 
-use super::{contours, hillshade, png, rgb};
-use crate::geometry::Surface;
+use super::{Height, Ramp, contours, hillshade, materials, png, relief, rgb, water};
+use crate::geometry::{Legend, Surface, Wanted};
 
 /// A way to draw a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -14,6 +14,12 @@ pub enum Tileset {
     R32,
     /// Shaded relief as grey PNG, light from the north-west.
     Hillshade,
+    /// The share of each sample that lies under water as grey PNG: 0 dry, 255 all of it.
+    Water,
+    /// Numbers of materials as grey PNG: 0 none, n the one at n - 1 of the legend.
+    Materials,
+    /// Land and sea in the colours of their height, water and materials, shaded, as RGB PNG.
+    Relief,
     /// Contour lines as a vector tile.
     Contours,
 }
@@ -49,7 +55,8 @@ pub enum EncodeError {
 
 impl Tileset {
     /// Every tileset.
-    pub const ALL: [Tileset; 5] = [Tileset::Terrarium, Tileset::TerrainRgb, Tileset::R32, Tileset::Hillshade, Tileset::Contours];
+    pub const ALL: [Tileset; 8] =
+        [Tileset::Terrarium, Tileset::TerrainRgb, Tileset::R32, Tileset::Hillshade, Tileset::Water, Tileset::Materials, Tileset::Relief, Tileset::Contours];
 
     /// The name in URLs.
     #[must_use]
@@ -59,6 +66,9 @@ impl Tileset {
             Tileset::TerrainRgb => "terrain-rgb",
             Tileset::R32 => "r32",
             Tileset::Hillshade => "hillshade",
+            Tileset::Water => "water",
+            Tileset::Materials => "materials",
+            Tileset::Relief => "relief",
             Tileset::Contours => "contours",
         }
     }
@@ -96,7 +106,7 @@ impl Tileset {
             Tileset::Terrarium => Some("terrarium"),
             Tileset::TerrainRgb => Some("mapbox"),
             Tileset::R32 => Some("f32"),
-            Tileset::Hillshade | Tileset::Contours => None,
+            Tileset::Hillshade | Tileset::Water | Tileset::Materials | Tileset::Relief | Tileset::Contours => None,
         }
     }
 
@@ -108,6 +118,9 @@ impl Tileset {
             Tileset::TerrainRgb => "terrain-rgb.png 1",
             Tileset::R32 => "r32.bin 1",
             Tileset::Hillshade => "hillshade.png 1",
+            Tileset::Water => "water.png 1",
+            Tileset::Materials => "materials.png 1",
+            Tileset::Relief => "relief.png 1",
             Tileset::Contours => "contours.mvt 1",
         }
     }
@@ -125,23 +138,50 @@ impl Tileset {
     #[must_use]
     pub fn apron(self) -> usize {
         match self {
-            Tileset::Hillshade => 1,
+            Tileset::Hillshade | Tileset::Water | Tileset::Relief => 1,
             Tileset::Contours => contours::APRON,
             _ => 0,
         }
     }
 
-    /// Encodes a surface that has this tileset's apron around it; `spacing` in metres.
+    /// What it needs of a surface beside elevations.
+    #[must_use]
+    pub fn wanted(self) -> Wanted {
+        Wanted { water: matches!(self, Tileset::Water | Tileset::Relief), materials: matches!(self, Tileset::Materials | Tileset::Relief) }
+    }
+
+    /// Whether it draws heights, of the ground or of the water's surface.
+    #[must_use]
+    pub fn has_height(self) -> bool {
+        matches!(self, Tileset::Terrarium | Tileset::TerrainRgb | Tileset::R32 | Tileset::Hillshade)
+    }
+
+    /// Encodes a surface that has this tileset's apron around it and what it [wants](Tileset::wanted); `spacing` in metres.
     ///
     /// # Errors
     /// If the image encoder fails, as it does for a surface without samples.
-    pub fn encode(self, surface: &Surface, spacing: f64) -> Result<Vec<u8>, EncodeError> {
+    pub fn encode(self, surface: &Surface, spacing: f64, legend: &Legend) -> Result<Vec<u8>, EncodeError> {
+        let inner = [surface.columns.saturating_sub(2), surface.rows.saturating_sub(2)];
         match self {
             Tileset::Terrarium => png::rgb(surface, rgb::terrarium),
             Tileset::TerrainRgb => png::rgb(surface, rgb::terrain_rgb),
             Tileset::R32 => Ok(surface.elevation.iter().flat_map(|elevation| elevation.to_le_bytes()).collect()),
-            Tileset::Hillshade => png::grey(surface.columns - 2, surface.rows - 2, &hillshade::shade(surface, spacing)),
+            Tileset::Hillshade => png::grey(inner[0], inner[1], &hillshade::shade(surface, spacing)),
+            Tileset::Water => png::grey(inner[0], inner[1], &water::greys(surface, spacing, legend.sea_level as f32)),
+            Tileset::Materials => png::grey(surface.columns, surface.rows, &materials::numbers(surface)),
+            Tileset::Relief => png::colours(inner[0], inner[1], &relief::draw_with(surface, spacing, &Ramp::of(legend), legend)),
             Tileset::Contours => Ok(contours::draw(surface, contours::interval(spacing))),
         }
+    }
+
+    /// Encodes a surface whose depth of water is known as if the water's surface were the ground, if that is the height asked for.
+    ///
+    /// # Errors
+    /// As [`Tileset::encode`].
+    pub fn encode_height(self, mut surface: Surface, spacing: f64, legend: &Legend, height: Height) -> Result<Vec<u8>, EncodeError> {
+        if height == Height::Water {
+            surface.raise_to_water();
+        }
+        self.encode(&surface, spacing, legend)
     }
 }

@@ -6,7 +6,7 @@ use super::{
     layer::{Below, materials},
 };
 use crate::{
-    geometry::{Filter, Source, Surface, SurfaceRows, Wanted, Window},
+    geometry::{Filter, Legend, Source, Surface, SurfaceRows, Wanted, Window},
     programme::{Frame, Tape},
 };
 use rayon::prelude::*;
@@ -152,6 +152,11 @@ impl World {
 }
 
 impl Source for World {
+    fn legend(&self) -> Legend {
+        let Document { sea_level, elevation, .. } = &self.document;
+        Legend { sea_level: *sea_level, range: [elevation.min, elevation.max], materials: self.materials.clone() }
+    }
+
     fn sample(&self, window: &Window, surface: &mut Surface) {
         let bands = surface.bands_mut(window.rows.len());
         let non_finite: u64 = bands.into_iter().map(|rows| self.fill(window, rows)).sum();

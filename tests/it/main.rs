@@ -9,6 +9,7 @@ mod encoding;
 mod golden;
 mod grow;
 mod http;
+mod layers;
 mod levels;
 mod library;
 mod openapi;

@@ -149,9 +149,14 @@ fn signed(ring: &[[f64; 2]], p: [f64; 2]) -> f64 {
 }
 
 impl FarCell<'_> {
-    /// What samples of a size in metres see: means over it, as if coasts were straight.
-    pub(super) fn sample(&self, p: [f64; 2], spacing: f64) -> Sample {
-        let (distance, size) = (signed(&self.ring, p) / self.scale, spacing / self.scale);
+    /// Metres from the coast, negative on land.
+    pub(super) fn distance(&self, p: [f64; 2]) -> f64 {
+        signed(&self.ring, p)
+    }
+
+    /// What samples of a size in metres see at a distance from the coast: means over it, as if coasts were straight.
+    pub(super) fn sample(&self, distance: f64, spacing: f64) -> Sample {
+        let (distance, size) = (distance / self.scale, spacing / self.scale);
         let height = (self.far.integral(distance + 0.5 * size) - self.far.integral(distance - 0.5 * size)) / size;
         let cover = (0.5 + distance / size).clamp(0.0, 1.0);
         let material = if cover < 0.5 { self.far.material } else { 0 };

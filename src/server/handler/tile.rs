@@ -1,12 +1,12 @@
 //! Tiles and what describes them.
 
 use crate::{
-    geometry::{Grid, to_lon_lat},
+    geometry::{Grid, Source, to_lon_lat},
     server::{
         error::ApiError,
         extract::{Known, PublicUrl, TilePath, TilesetPath, WorldAt},
         headers::{Freshness, is_fresh, json, not_modified, tagged},
-        schema::{ProblemDetails, TileJson},
+        schema::{MaterialSchema, ProblemDetails, TileJson},
         shelf::Shelved,
         state::App,
         style,
@@ -39,10 +39,11 @@ pub(crate) struct LiveQuery {
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}/{z}/{x}/{y}", tag = "tiles", params(
     ("world" = String, Path, description = "`name`, or `name@revision` for a tile that never changes"),
     ("grid" = String, Path, description = "`web` or `metric`"),
-    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32` or `hillshade`"),
+    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32`, `hillshade`, `water`, `materials` or `relief`"),
     ("z" = u8, Path, description = "Zoom level, 0 … 30"),
     ("x" = i64, Path, description = "Column, to the east; may be negative or beyond 2^z"),
     ("y" = String, Path, description = "Row, to the south, samples and extension: `5.png` (256 pixels), `5@2x.png` (512), `5@257.bin` (257 × 257 vertices with both edges; 2 … 1025)"),
+    ("surface" = Option<String>, Query, description = "`ground` (default) or `water`: the height that `terrarium`, `terrain-rgb`, `r32` and `hillshade` draw; `water` is the water's surface where there is water"),
     ("filter" = Option<String>, Query, description = "`band` (default) leaves out what the spacing cannot carry, `exact` samples the function as it is"),
 ), responses(
     (status = 200, description = "The tile", content((Vec<u8> = "image/png"), (Vec<u8> = "application/octet-stream")), headers(("ETag" = String, description = "The tile's fingerprint"))),
@@ -58,7 +59,8 @@ pub(crate) async fn get_tile(
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
     let window = request.window().map_err(|error| ApiError::absent("tile", error.to_string()))?;
-    let fingerprint = live.world.fingerprint(request.tileset.form(), &window.bounds(), request.grid, request.tile, request.samples, request.filter);
+    let fingerprint =
+        live.world.fingerprint(&request.form(&live.world.legend()), &window.bounds(), request.grid, request.tile, request.samples, request.filter);
     let (tag, freshness) = (fingerprint.to_string(), Freshness::of(pinned));
     if is_fresh(&headers, &tag) {
         return Ok(not_modified(&tag, freshness));
@@ -81,7 +83,7 @@ const MOST_TILE_NS: f64 = 1e10;
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}", tag = "tiles", params(
     ("world" = String, Path, description = "`name` or `name@revision`"),
     ("grid" = String, Path, description = "`web` or `metric`"),
-    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32` or `hillshade`"),
+    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32`, `hillshade`, `water`, `materials` or `relief`"),
     LiveQuery,
 ), responses(
     (status = 200, description = "TileJSON 3.0 with `encoding` and `tileSize`", body = TileJson),
@@ -110,9 +112,18 @@ pub(crate) async fn get_tilejson(
         center: center(&live, grid),
         tile_size: 512,
         encoding: tileset.encoding(),
+        materials: tileset.wanted().materials.then(|| materials(live.world.materials())),
     };
     // Its links depend on how the server is reached, so even a pinned one may change.
     json(&headers, &body, Freshness::Revalidate)
+}
+
+fn materials(names: &[Box<str>]) -> Vec<MaterialSchema> {
+    let entry = |(name, id): (&Box<str>, usize)| {
+        let [r, g, b] = tile::material_colour(name);
+        MaterialSchema { id, name: name.to_string(), colour: format!("#{r:02x}{g:02x}{b:02x}") }
+    };
+    names.iter().zip(1..).map(entry).collect()
 }
 
 fn template(url: &str, live: &Live, grid: &str, tileset: tile::Tileset, plain: bool) -> String {

@@ -3,16 +3,21 @@
 use super::Setting;
 use crate::{
     layout::{
-        Feature,
+        AttributeError, Feature,
         generate::{Conflict, GenerateError, Island, Lakes, Landmass, Ridges, Rivers, Styles, resolve},
+        geojson::Sets,
     },
     noise,
     world::problem::{Checks, read_value},
 };
 use serde_json::{Map, Value, json};
+use std::{collections::BTreeMap, sync::Arc};
 
 /// Metres between the places of a ridges' diagram, as a share of the rivers' spacing, where the document does not say.
 const RIDGE_STEP: f64 = 160.0 / 650.0;
+
+/// What has a style of its own.
+const STYLES: [&str; 4] = ["land", "rivers", "lakes", "ridges"];
 
 /// A generator with its parameters and seed.
 #[derive(Clone, Debug)]
@@ -32,6 +37,8 @@ pub(super) enum Generator {
 pub(super) struct Seeded {
     pub generator: Generator,
     pub seed: u64,
+    /// Names of sets of attributes to take in the place of the usual ones, by what they are for.
+    styles: BTreeMap<String, String>,
 }
 
 /// Features that generators made so far.
@@ -56,6 +63,14 @@ impl Seeded {
             checks.add(&format!("{at}/seed"), "expected a whole number 0 … 9007199254740991");
             return None;
         };
+        let styles: BTreeMap<String, String> = match object.remove("styles") {
+            Some(styles) => read_value(styles, &format!("{at}/styles"), checks)?,
+            None => BTreeMap::new(),
+        };
+        if let Some(unknown) = styles.keys().find(|key| !STYLES.contains(&key.as_str())) {
+            checks.add(&format!("{at}/styles/{unknown}"), format!("unknown field `{unknown}`, expected one of `{}`", STYLES.join("`, `")));
+            return None;
+        }
         let generator = match name.as_ref().and_then(Value::as_str) {
             Some("island") => Self::island(object, at, setting, checks)?,
             Some("landmass") => {
@@ -77,7 +92,7 @@ impl Seeded {
                 return None;
             }
         };
-        Some(Self { generator, seed })
+        Some(Self { generator, seed, styles })
     }
 
     fn island(object: &mut Map<String, Value>, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Generator> {
@@ -130,14 +145,29 @@ impl Seeded {
         let mut all = json!({"generate": name, "seed": self.seed});
         if let (Value::Object(all), Value::Object(parameters)) = (&mut all, parameters) {
             all.extend(parameters);
+            if !self.styles.is_empty() {
+                all.insert("styles".to_owned(), json!(self.styles));
+            }
         }
         all
     }
 
+    /// Styles with the document's own sets of attributes.
+    fn styled(&self, mut styles: Styles, sets: &Sets) -> Result<Styles, GenerateError> {
+        let Styles { land, rivers, lakes, ridges } = &mut styles;
+        for (name, style) in STYLES.iter().zip([land, rivers, lakes, ridges]) {
+            if let Some(set) = self.styles.get(*name) {
+                let unknown = || AttributeError { name: set.clone(), message: "no set of attributes has this name".to_owned() };
+                style.attributes = Arc::clone(sets.get(set).ok_or_else(unknown)?);
+            }
+        }
+        Ok(styles)
+    }
+
     /// Adds its features to those that were made before.
-    pub(super) fn make(&self, made: &mut Made, setting: &Setting) -> Result<(), GenerateError> {
+    pub(super) fn make(&self, made: &mut Made, sets: &Sets, setting: &Setting) -> Result<(), GenerateError> {
         let seed = noise::key(setting.seed, self.seed);
-        let styles = |spacing: f64| Styles::for_sea(spacing, seed, setting.sea_level);
+        let styles = |spacing: f64| self.styled(Styles::for_sea(spacing, seed, setting.sea_level)?, sets);
         match &self.generator {
             Generator::Island(island) => made.others.extend(island.features(seed, &styles(island.rivers.spacing)?)?),
             Generator::Landmass(landmass) => {

@@ -37,13 +37,14 @@ impl FeatureSets {
 /// An item of the list.
 pub(super) enum Item {
     Generated(Seeded),
-    Inline(Value, Arc<FeatureSet>),
+    Inline(Arc<FeatureSet>),
     Stored(String, Arc<FeatureSet>),
 }
 
 impl Item {
     /// Reads what stands at a pointer; problems are added to the checks.
-    pub(super) fn read(value: Value, at: &str, sets: &Sets, setting: &Setting, checks: &mut Checks) -> Option<Self> {
+    pub(super) fn read(item: &str, at: &str, sets: &Sets, setting: &Setting, checks: &mut Checks) -> Option<Self> {
+        let value: Value = serde_json::from_str(item).ok()?;
         if value.get("generate").is_some() {
             return Seeded::read(whole_numbers(value), at, setting, checks).map(Self::Generated);
         }
@@ -54,9 +55,9 @@ impl Item {
             checks.add(at, "expected {\"generate\": …}, {\"set\": …}, or a GeoJSON Feature or FeatureCollection");
             return None;
         }
-        let read = Collection::parse(&value.to_string()).and_then(|collection| collection.check(sets).map(|()| collection));
+        let read = Collection::parse(item).and_then(|collection| collection.check(sets).map(|()| collection));
         match read {
-            Ok(collection) => Some(Self::Inline(whole_numbers(value), Arc::new(collection.into()))),
+            Ok(collection) => Some(Self::Inline(Arc::new(collection.into()))),
             Err(error) => {
                 checks.geojson(at, error);
                 None
@@ -80,7 +81,7 @@ impl Item {
     pub(super) fn to_json(&self) -> Value {
         match self {
             Self::Generated(seeded) => seeded.to_json(),
-            Self::Inline(value, _) => value.clone(),
+            Self::Inline(set) => json!(set.collection()),
             Self::Stored(name, _) => json!({"set": name}),
         }
     }
@@ -89,18 +90,18 @@ impl Item {
     pub(super) fn drawn(&self) -> Option<&Arc<FeatureSet>> {
         match self {
             Self::Generated(_) => None,
-            Self::Inline(_, set) | Self::Stored(_, set) => Some(set),
+            Self::Inline(set) | Self::Stored(_, set) => Some(set),
         }
     }
 }
 
 /// The features of generators in a row, those cut that ridges would cross. What was drawn is left as it is.
-pub(super) fn generate(items: &[Item], at: &dyn Fn(usize) -> String, setting: &Setting, checks: &mut Checks) -> Option<Vec<Feature>> {
+pub(super) fn generate(items: &[Item], sets: &Sets, at: &dyn Fn(usize) -> String, setting: &Setting, checks: &mut Checks) -> Option<Vec<Feature>> {
     let mut made = Made::default();
     for (i, item) in items.iter().enumerate() {
         if let Item::Generated(seeded) = item {
             let nested = matches!(seeded.generator, super::generator::Generator::Island(_));
-            seeded.make(&mut made, setting).map_err(|error| problem(&error, &at(i), nested, checks)).ok()?;
+            seeded.make(&mut made, sets, setting).map_err(|error| problem(&error, &at(i), nested, checks)).ok()?;
         }
     }
     made.features().map_err(|error| problem(&error, &at(0), false, checks)).ok()

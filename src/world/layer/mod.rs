@@ -149,10 +149,10 @@ pub(super) fn generated(json: &[u8], setting: &Setting) -> Result<Collection, Do
         if item.get("generate").is_none() {
             checks.add(&at(i), "expected {\"generate\": …}");
         } else {
-            seeded.extend(Item::read(item, &at(i), &Sets::default(), setting, &mut checks));
+            seeded.extend(Item::read(&item.to_string(), &at(i), &Sets::default(), setting, &mut checks));
         }
     }
-    let features = if checks.0.is_empty() { generate(&seeded, &at, setting, &mut checks) } else { None };
+    let features = if checks.0.is_empty() { generate(&seeded, &Sets::default(), &at, setting, &mut checks) } else { None };
     let collection = features.and_then(|features| Collection::of(&features));
     collection.ok_or(DocumentError::Invalid(checks.0))
 }

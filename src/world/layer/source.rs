@@ -122,21 +122,16 @@ fn features(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Ch
     };
     let mut items = Vec::new();
     for (i, item) in written.features.into_iter().flatten().enumerate() {
-        let value: Value = serde_json::from_str(item.get()).ok()?;
-        items.extend(Item::read(value, &format!("{at}/features/{i}"), &attributes, setting, checks));
+        items.extend(Item::read(item.get(), &format!("{at}/features/{i}"), &attributes, setting, checks));
     }
     if checks.0.len() > before {
         return None;
     }
     let (mix, base, defaults) = (written.mix.unwrap_or_default(), written.base.unwrap_or_default(), written.defaults.unwrap_or_default());
     let completed: Vec<Value> = items.iter().map(Item::to_json).collect();
-    let mut source = json!({"layout": {"features": completed, "mix": mix, "base": base, "defaults": defaults}});
-    if !attributes.is_empty() {
-        source["layout"]["attributes"] = json!(attributes);
-    }
-    let source = whole_numbers(source);
+    let source = whole_numbers(json!({"layout": {"attributes": attributes, "features": completed, "mix": mix, "base": base, "defaults": defaults}}));
     let ground = made(&source, setting, || {
-        let mut features = generate(&items, &|i| format!("{at}/features/{i}"), setting, checks)?;
+        let mut features = generate(&items, &attributes, &|i| format!("{at}/features/{i}"), setting, checks)?;
         // Generated features are as anybody could have drawn them: their detail is lazy.
         let generated = Arc::new(Collection::of(&features)?.into());
         for (i, item) in items.iter().enumerate() {
@@ -179,7 +174,7 @@ fn scatter(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Che
         checks.add(&format!("{template_at}/generate"), "must be \"island\"");
         return None;
     }
-    for field in ["seed", "landmass/centre"] {
+    for field in ["seed", "styles", "landmass/centre"] {
         if value.pointer(&format!("/{field}")).is_some_and(|value| !matches!(value, Value::Array(pair) if pair.iter().all(|c| c.as_f64() == Some(0.0)))) {
             checks.add(&format!("{template_at}/{field}"), "is the cell's: leave it out");
         }
