@@ -33,6 +33,9 @@ const KEPT: NonZeroUsize = NonZeroUsize::new(128).expect("not 0");
 /// at most 64 × 64 cells.
 const CONSTANT: [f64; 2] = [0.06, 0.24];
 
+/// Islands whose features are shown at a time.
+const MOST_ISLANDS: i64 = 16;
+
 /// How far land can reach beyond its greatest corner, as a share: the midpoints of its first edges move outwards by a fifth of an edge.
 const BULGE: f64 = 1.2;
 
@@ -231,6 +234,19 @@ impl Scatter {
             return 0;
         }
         (self.runs(window.rows.coordinates()).len() * self.runs(window.columns.coordinates()).len()) as u64
+    }
+
+    /// The islands whose cells meet an area, where filtered samples so far apart show them as they are; none where they would be more than [`MOST_ISLANDS`].
+    #[must_use]
+    pub fn islands(&self, area: &Rectangle, spacing: f64) -> Vec<Arc<Layout>> {
+        let cells = |axis: usize| [area.min[axis], area.max[axis]].map(|c| (c / self.options.cell).floor() as i64);
+        let ([left, right], [bottom, top]) = (cells(0), cells(1));
+        let count = (right - left + 1).saturating_mul(top - bottom + 1);
+        if self.forms(spacing, Filter::Band).far > 0.0 || count > MOST_ISLANDS {
+            return Vec::new();
+        }
+        let all = (bottom..=top).flat_map(|row| (left..=right).map(move |column| [column, row]));
+        all.filter_map(|cell| self.cell(cell, &self.place(cell)?)).collect()
     }
 
     /// The predicted time to evaluate a window on one thread, in nanoseconds, the cells that are kept now counted as there.

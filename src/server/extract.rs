@@ -228,11 +228,13 @@ fn parse_file(file: &str, tileset: Tileset) -> Result<(i64, Samples), ApiError> 
     if extension != wanted {
         return Err(ApiError::absent("y", format!("tiles of {} end in .{wanted}, got {file:?}", tileset.name())));
     }
-    let Some((row, samples)) = stem.split_once('@') else { return Ok((parse_index("y", stem)?, Samples::Centres(256))) };
+    // Vector tiles are drawn from vertices, which neighbours share.
+    let pixels = |side: usize| if tileset.layers().is_empty() { Samples::Centres(side) } else { Samples::Vertices(side + 1) };
+    let Some((row, samples)) = stem.split_once('@') else { return Ok((parse_index("y", stem)?, pixels(256))) };
     let row = parse_index("y", row)?;
     let side = samples.parse::<usize>().ok().filter(|side| (2..=MAX_SIDE).contains(side));
     match (samples, side) {
-        ("2x", _) => Ok((row, Samples::Centres(512))),
+        ("2x", _) => Ok((row, pixels(512))),
         (_, Some(side)) => Ok((row, Samples::Vertices(side))),
         _ => Err(ApiError::absent("y", format!("after @ comes 2x (512 pixels) or a number of vertices a side, 2 … {MAX_SIDE}; got {samples:?}"))),
     }

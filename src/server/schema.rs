@@ -1,6 +1,7 @@
 //! The JSON that goes over the wire, as `OpenAPI` describes it.
 
 use serde::Serialize;
+use std::collections::BTreeMap;
 use utoipa::ToSchema;
 
 /// A world document. Requests may leave out what has a default; responses hold every field.
@@ -217,9 +218,12 @@ pub(super) struct TileJson {
     pub maxzoom: u8,
     /// Longitude, latitude and zoom of a view with relief (`web`); x, y and zoom in metres on `metric`.
     pub center: [f64; 3],
-    /// Pixels a side.
-    #[serde(rename = "tileSize")]
-    pub tile_size: u32,
+    /// Pixels a side; not there for vector tiles.
+    #[serde(rename = "tileSize", skip_serializing_if = "Option::is_none")]
+    pub tile_size: Option<u32>,
+    /// The layers of vector tiles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vector_layers: Option<Vec<VectorLayerSchema>>,
     /// How elevation is packed; not there for pictures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub encoding: Option<&'static str>,
@@ -237,6 +241,15 @@ pub(super) struct MaterialSchema {
     pub name: String,
     /// `#rrggbb`.
     pub colour: String,
+}
+
+/// A layer of vector tiles.
+#[derive(Serialize, ToSchema)]
+pub(super) struct VectorLayerSchema {
+    pub id: &'static str,
+    pub description: &'static str,
+    /// The properties of its features: what they are, by name.
+    pub fields: BTreeMap<String, &'static str>,
 }
 
 /// The ground at a point, in metres.

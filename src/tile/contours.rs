@@ -3,7 +3,7 @@
 //! Where a line crosses an edge of the lattice depends on the elevations at the edge's two ends alone, and its place in the tile is rounded within the edge: tiles
 //! that share vertices share the ends of their lines to the bit.
 
-use super::mvt::{EXTENT, Geometry, Layer, Value, encode};
+use super::mvt::{EXTENT, Geometry, Layer, Value, encode, straightened};
 use crate::geometry::{Grid, Surface};
 
 /// Vertices beyond each side of the tile, so that lines do not end at its edges.
@@ -159,24 +159,6 @@ fn place(surface: &Surface, edge: usize, elevation: f64) -> [i32; 2] {
     [unit(column, surface.columns, right), unit(row, surface.rows, down)]
 }
 
-/// A path without points that lie on the way from the one before to the one after.
-fn straightened(path: impl Iterator<Item = [i32; 2]>) -> Vec<[i32; 2]> {
-    let mut out: Vec<[i32; 2]> = Vec::new();
-    for point in path {
-        if out.last() == Some(&point) {
-            continue;
-        }
-        if let [.., a, b] = out[..] {
-            let (to, on) = ([b[0] - a[0], b[1] - a[1]], [point[0] - b[0], point[1] - b[1]]);
-            if to[0] * on[1] == to[1] * on[0] && to[0] * on[0] + to[1] * on[1] > 0 {
-                out.pop();
-            }
-        }
-        out.push(point);
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -199,7 +181,8 @@ mod tests {
 
     fn tile(x: i64, y: i64, side: usize) -> Vec<tests::Read> {
         let tile = Tile { z: 9, x, y };
-        let request = TileRequest { grid: Grid::Web, tile, samples: Samples::Vertices(side), filter: Filter::Exact, tileset: Tileset::Contours, height: Height::Ground };
+        let request =
+            TileRequest { grid: Grid::Web, tile, samples: Samples::Vertices(side), filter: Filter::Exact, tileset: Tileset::Contours, height: Height::Ground };
         tests::read(&render(&Hills, &request).expect("drawn"))
     }
 

@@ -1,8 +1,10 @@
 //! Surfaces as tiles and images: encodings, shading, files.
 
+mod clip;
 mod contours;
 mod geotiff;
 mod hillshade;
+mod lines;
 mod materials;
 mod mvt;
 mod png;
@@ -14,6 +16,7 @@ mod water;
 
 pub use contours::contour_interval;
 pub use geotiff::write_geotiff;
+pub use lines::render_features;
 pub use materials::material_colour;
 pub use preview::{PREVIEW_FORM, preview};
 pub use relief::Ramp;
@@ -94,6 +97,9 @@ pub fn render(source: &impl Source, request: &TileRequest) -> Result<Vec<u8>, Ti
     let mut surface = Surface::with(&window, Wanted { water: wanted.water || request.height == Height::Water, ..wanted });
     source.sample(&window, &mut surface);
     if request.tileset == Tileset::Contours {
+        if request.height == Height::Water {
+            surface.raise_to_water();
+        }
         return Ok(contours::draw(&surface, contour_interval(request.grid, request.tile.z)));
     }
     Ok(request.tileset.encode_height(surface, window.spacing(), &source.legend(), request.height)?)

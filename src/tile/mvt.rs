@@ -52,7 +52,7 @@ impl Layer {
     }
 
     /// Adds a feature; a geometry without parts is left out.
-    pub(super) fn add(&mut self, id: Option<u64>, properties: &[(&str, Value)], geometry: &Geometry) {
+    pub(super) fn add(&mut self, id: Option<u64>, properties: &[(impl AsRef<str>, Value)], geometry: &Geometry) {
         let (kind, commands) = commands(geometry);
         if commands.is_empty() {
             return;
@@ -60,7 +60,7 @@ impl Layer {
         let mut tags = Vec::new();
         for (key, value) in properties {
             let next = self.keys.len() as u64;
-            tags.push(*self.keys.entry((*key).to_owned()).or_insert(next));
+            tags.push(*self.keys.entry(key.as_ref().to_owned()).or_insert(next));
             let next = self.values.len() as u64;
             tags.push(*self.values.entry(value.bytes()).or_insert(next));
         }
@@ -144,6 +144,24 @@ fn commands(geometry: &Geometry) -> (u64, Vec<u64>) {
             (3, out)
         }
     }
+}
+
+/// A path without points that lie on the way from the one before to the one after.
+pub(super) fn straightened(path: impl Iterator<Item = [i32; 2]>) -> Vec<[i32; 2]> {
+    let mut out: Vec<[i32; 2]> = Vec::new();
+    for point in path {
+        if out.last() == Some(&point) {
+            continue;
+        }
+        if let [.., a, b] = out[..] {
+            let (to, on) = ([b[0] - a[0], b[1] - a[1]].map(i64::from), [point[0] - b[0], point[1] - b[1]].map(i64::from));
+            if to[0] * on[1] == to[1] * on[0] && to[0] * on[0] + to[1] * on[1] > 0 {
+                out.pop();
+            }
+        }
+        out.push(point);
+    }
+    out
 }
 
 fn zigzag(number: i64) -> u64 {
@@ -306,7 +324,7 @@ pub(super) mod tests {
         let mut layer = Layer::new("lines");
         layer.add(Some(7), &[("name", Value::Text("ä".into())), ("elevation", Value::Int(-300))], &Geometry::Lines(vec![vec![[-64, 5], [4160, 9]]]));
         layer.add(None, &[("index", Value::Bool(true)), ("elevation", Value::Double(0.5))], &Geometry::Point([3, 4]));
-        layer.add(None, &[], &Geometry::Lines(vec![vec![[1, 1]]]));
+        layer.add(None, &[("", Value::Bool(false)); 0], &Geometry::Lines(vec![vec![[1, 1]]]));
         let features = read(&encode(vec![Layer::new("nothing"), layer]));
         assert_eq!(features.len(), 2);
         assert_eq!((features[0].id, features[0].kind, &*features[0].layer, &features[0].paths), (7, 2, "lines", &vec![vec![[-64, 5], [4160, 9]]]));

@@ -1,6 +1,6 @@
 //! The ways a surface is drawn as a tile.
 
-use super::{Height, Ramp, contours, hillshade, materials, png, relief, rgb, water};
+use super::{Height, Ramp, contours, hillshade, lines::LAYERS, materials, png, relief, rgb, water};
 use crate::geometry::{Legend, Surface, Wanted};
 
 /// A way to draw a surface.
@@ -22,6 +22,8 @@ pub enum Tileset {
     Relief,
     /// Contour lines as a vector tile.
     Contours,
+    /// Features of layers as a vector tile.
+    Features,
 }
 
 /// A layer of vector tiles.
@@ -42,6 +44,22 @@ const CONTOURS: [VectorLayer; 1] = [VectorLayer {
     fields: &[("elevation", "Number: metres"), ("index", "Boolean: every fifth line")],
 }];
 
+/// What every feature may have, beside its own properties.
+const FIELDS: &[(&str, &str)] = &[
+    ("id", "String: its id"),
+    ("layer", "String: the world's layer it belongs to"),
+    ("attributes", "String: the name of its set of attributes"),
+    ("elevation", "Number: metres, the greatest of its vertices"),
+    ("water", "Boolean: a river, a lake or other water"),
+];
+
+/// Features as a vector tile names them.
+const FEATURES: [VectorLayer; 3] = [
+    VectorLayer { id: LAYERS[0], description: "Features that are points", fields: FIELDS },
+    VectorLayer { id: LAYERS[1], description: "Features that are lines, with their detail", fields: FIELDS },
+    VectorLayer { id: LAYERS[2], description: "Features that are polygons or circles, with their detail", fields: FIELDS },
+];
+
 /// Why a surface could not be encoded.
 #[derive(Debug, thiserror::Error)]
 pub enum EncodeError {
@@ -55,8 +73,17 @@ pub enum EncodeError {
 
 impl Tileset {
     /// Every tileset.
-    pub const ALL: [Tileset; 8] =
-        [Tileset::Terrarium, Tileset::TerrainRgb, Tileset::R32, Tileset::Hillshade, Tileset::Water, Tileset::Materials, Tileset::Relief, Tileset::Contours];
+    pub const ALL: [Tileset; 9] = [
+        Tileset::Terrarium,
+        Tileset::TerrainRgb,
+        Tileset::R32,
+        Tileset::Hillshade,
+        Tileset::Water,
+        Tileset::Materials,
+        Tileset::Relief,
+        Tileset::Contours,
+        Tileset::Features,
+    ];
 
     /// The name in URLs.
     #[must_use]
@@ -70,6 +97,7 @@ impl Tileset {
             Tileset::Materials => "materials",
             Tileset::Relief => "relief",
             Tileset::Contours => "contours",
+            Tileset::Features => "features",
         }
     }
 
@@ -84,7 +112,7 @@ impl Tileset {
     pub fn extension(self) -> &'static str {
         match self {
             Tileset::R32 => "bin",
-            Tileset::Contours => "mvt",
+            Tileset::Contours | Tileset::Features => "mvt",
             _ => "png",
         }
     }
@@ -94,7 +122,7 @@ impl Tileset {
     pub fn media_type(self) -> &'static str {
         match self {
             Tileset::R32 => "application/octet-stream",
-            Tileset::Contours => "application/vnd.mapbox-vector-tile",
+            Tileset::Contours | Tileset::Features => "application/vnd.mapbox-vector-tile",
             _ => "image/png",
         }
     }
@@ -106,7 +134,7 @@ impl Tileset {
             Tileset::Terrarium => Some("terrarium"),
             Tileset::TerrainRgb => Some("mapbox"),
             Tileset::R32 => Some("f32"),
-            Tileset::Hillshade | Tileset::Water | Tileset::Materials | Tileset::Relief | Tileset::Contours => None,
+            Tileset::Hillshade | Tileset::Water | Tileset::Materials | Tileset::Relief | Tileset::Contours | Tileset::Features => None,
         }
     }
 
@@ -122,6 +150,7 @@ impl Tileset {
             Tileset::Materials => "materials.png 1",
             Tileset::Relief => "relief.png 1",
             Tileset::Contours => "contours.mvt 1",
+            Tileset::Features => "features.mvt 1",
         }
     }
 
@@ -130,6 +159,7 @@ impl Tileset {
     pub fn layers(self) -> &'static [VectorLayer] {
         match self {
             Tileset::Contours => &CONTOURS,
+            Tileset::Features => &FEATURES,
             _ => &[],
         }
     }
@@ -139,7 +169,7 @@ impl Tileset {
     pub fn apron(self) -> usize {
         match self {
             Tileset::Hillshade | Tileset::Water | Tileset::Relief => 1,
-            Tileset::Contours => contours::APRON,
+            Tileset::Contours | Tileset::Features => contours::APRON,
             _ => 0,
         }
     }
@@ -171,6 +201,8 @@ impl Tileset {
             Tileset::Materials => png::grey(surface.columns, surface.rows, &materials::numbers(surface)),
             Tileset::Relief => png::colours(inner[0], inner[1], &relief::draw_with(surface, spacing, &Ramp::of(legend), legend)),
             Tileset::Contours => Ok(contours::draw(surface, contours::interval(spacing))),
+            // A surface has no features.
+            Tileset::Features => Ok(Vec::new()),
         }
     }
 

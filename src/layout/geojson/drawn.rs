@@ -182,10 +182,19 @@ impl Drawn {
         }
     }
 
-    /// The detail of its shape, as far as it fades with the spacing of samples.
+    /// The detail of its shape, and whether it fades with the spacing of samples.
     #[must_use]
-    pub fn detail(&self) -> Option<&Detail> {
-        self.detail.as_ref().map(|mpd| &mpd.detail)
+    pub fn detail(&self) -> Option<(&Detail, bool)> {
+        self.detail.as_ref().map(|mpd| (&mpd.detail, mpd.fine == Fine::Dynamic))
+    }
+
+    /// Its attributes, if they are known by name here or there.
+    #[must_use]
+    pub fn attributes<'a>(&'a self, sets: [&'a Sets; 2]) -> Option<&'a Arc<AttributeSet>> {
+        match &self.attributes {
+            Attributes::Inline(set) => Some(set),
+            Attributes::Named(name) => sets.into_iter().find_map(|sets| sets.get(name)),
+        }
     }
 
     /// The name of its attributes, if they have one.

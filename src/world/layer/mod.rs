@@ -20,7 +20,10 @@ use super::{
 };
 use crate::{
     geometry::{PLANE_LIMIT, Rectangle, Window},
-    layout::geojson::{Collection, FeatureSet, Sets},
+    layout::{
+        Layout,
+        geojson::{Collection, FeatureSet, Sets},
+    },
 };
 use ground::Ground;
 use item::{Item, generate};
@@ -177,6 +180,15 @@ impl Layer {
             Ground::Scatter(_) => None,
         };
         self.features.drawn.iter().chain(generated)
+    }
+
+    /// The islands of a layer without end that samples so far apart show in an area; none where they would be many.
+    #[must_use]
+    pub fn islands(&self, area: &Rectangle, spacing: f64) -> Vec<Arc<Layout>> {
+        match &self.ground {
+            Ground::Layout { .. } => Vec::new(),
+            Ground::Scatter(scatter) => scatter.islands(area, spacing),
+        }
     }
 
     /// Of each of its own numbers of materials, that in a list of all.
