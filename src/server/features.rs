@@ -30,8 +30,8 @@ pub(super) struct Place {
 impl Place {
     /// Of the first layer that names a stored set.
     pub(super) fn of(live: &Live) -> Self {
-        let layers = live.world.document().layers.iter().enumerate();
-        let found = layers.filter_map(|(i, layer)| layer.stored().map(|(item, set)| (i, item, set, layer))).next();
+        let mut layers = live.world.document().layers.iter().enumerate();
+        let found = layers.find_map(|(i, layer)| layer.stored().map(|(item, set)| (i, item, set, layer)));
         match found {
             Some((layer, item, set, named)) => Self { at: Some((layer, item)), set: Arc::clone(set), outer: named.attributes().clone() },
             None => Self { at: None, set: Arc::new(Collection::default().into()), outer: Sets::default() },

@@ -280,7 +280,7 @@ pub(super) struct FeatureSchema {
     /// Text of 1 to 200 characters or a whole number; made where it is missing.
     #[schema(required = false)]
     id: serde_json::Value,
-    /// A Point, a LineString or a Polygon.
+    /// A `Point`, a `LineString` or a `Polygon`.
     geometry: serde_json::Value,
     /// `attributes` (the name of a set, or a list), and as needed `elevation`, `radius`, `detail`, `along`, `precedence`. All others are kept and have no influence.
     properties: serde_json::Value,

@@ -200,7 +200,9 @@ impl Message {
     fn packed(&mut self, field: u64, numbers: &[u64]) {
         if !numbers.is_empty() {
             let mut inner = Self::default();
-            numbers.iter().for_each(|&number| inner.varint(number));
+            for &number in numbers {
+                inner.varint(number);
+            }
             self.bytes(field, &inner.0);
         }
     }

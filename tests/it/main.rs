@@ -6,6 +6,7 @@ mod corpus;
 mod costs;
 mod determinism;
 mod encoding;
+mod features;
 mod golden;
 mod grow;
 mod http;

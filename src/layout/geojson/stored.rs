@@ -111,7 +111,7 @@ impl FeatureSet {
         let mut features = self.collection.features.iter().peekable();
         while let Some(drawn) = features.next() {
             let line = line(drawn);
-            let ends = scattered(line.as_bytes()) % PART == 0;
+            let ends = scattered(line.as_bytes()).is_multiple_of(PART);
             part.push_str(&line);
             part.push('\n');
             count += 1;

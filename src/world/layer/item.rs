@@ -1,4 +1,4 @@
-//! The items of a layout's list of features: generators, features as GeoJSON, and stored sets of features.
+//! The items of a layout's list of features: generators, features as `GeoJSON`, and stored sets of features.
 
 use super::{
     Setting,
