@@ -239,10 +239,14 @@ mod tests {
             tests::read(&super::draw(&surface, 10.0))
         };
         let mut summit = [[0.0; 13]; 13];
-        summit[6][6] = 20.0;
+        summit[6][6] = 40.0;
         let lines = draw(summit);
-        assert_eq!(lines.len(), 2, "at 10 and at 20 m");
-        assert_eq!(lines[0].paths, [vec![[2048, 1536], [2560, 2048], [2048, 2560], [1536, 2048], [2048, 1536]]]);
+        assert_eq!(lines.iter().map(|line| &*line.properties["elevation"]).collect::<Vec<_>>(), ["10", "20", "30"], "at 40 m it is a point");
+        let mut ring = lines[0].paths[0].clone();
+        assert_eq!((lines[0].paths.len(), ring.first()), (1, ring.last()));
+        ring.sort_unstable();
+        ring.dedup();
+        assert_eq!(ring, [[1280, 2048], [2048, 1280], [2048, 2816], [2816, 2048]]);
         let mut saddle = [[0.0; 13]; 13];
         (saddle[6][6], saddle[7][7]) = (16.0, 16.0);
         assert_eq!(draw(saddle)[0].paths.len(), 2, "the mean of 8 m is below: two rings");

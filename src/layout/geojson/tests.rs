@@ -259,6 +259,30 @@ fn equal_names_of_unlike_sets_are_kept_apart() {
     assert_eq!((ranges, all.sets.iter().count()), (vec![5.0, 6.0, 5.0], 2));
 }
 
+#[test]
+fn a_stored_set_is_named_by_its_content_and_an_edit_changes_few_parts() {
+    let of = |i: usize, x: f64| line(&format!("[[{x},0,1],[5,5,1]]"), "").replace("\"f\"", &i.to_string());
+    let set = |edited: Option<usize>| {
+        let lines: Vec<String> = (0..5_000).map(|i| of(i, if edited == Some(i) { 0.5 } else { i as f64 })).collect();
+        FeatureSet::new(Collection::parse(&lines.join("\n")).unwrap()).unwrap()
+    };
+    let stored = set(None).stored();
+    assert!((8..40).contains(&stored.parts.len()), "{} parts", stored.parts.len());
+    let again = FeatureSet::read(&stored).unwrap();
+    assert_eq!((again.collection().features.len(), again.stored()), (5_000, stored.clone()));
+    for edited in [0, 2_500, 4_999] {
+        let changed = set(Some(edited)).stored();
+        assert_ne!(changed.name, stored.name);
+        let new = changed.parts.iter().filter(|part| !stored.parts.contains(part)).count();
+        assert!((1..3).contains(&new), "{new} new parts");
+    }
+    let found = again.find(&crate::geometry::Rectangle { min: [4_000.0, -1.0], max: [9_000.0, 1.0] });
+    assert_eq!(found, (4_000..5_000).collect::<Vec<u32>>());
+    assert_eq!((again.position("17"), again.position("-1")), (Some(17), None));
+    let empty = FeatureSet::new(Collection::default()).unwrap().stored();
+    assert!(empty.parts.is_empty() && FeatureSet::read(&empty).unwrap().collection().features.is_empty());
+}
+
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![(-1e6..1e6), (-1000_i32..1000).prop_map(f64::from), Just(-0.0), (-1e-9..1e-9), (-1e11..1e11)]
 }

@@ -179,7 +179,7 @@ pub(crate) async fn get_style(
     PublicUrl(url): PublicUrl,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
-    let tiles = template(&url, &live, Grid::Web.name(), tile::Tileset::Terrarium, query.live.is_some());
-    let style = style::style(&live, &tiles, MAX_ANNOUNCED_ZOOM, center(&live, Grid::Web));
+    let tiles = |tileset| template(&url, &live, Grid::Web.name(), tileset, query.live.is_some());
+    let style = style::style(&live, tiles, MAX_ANNOUNCED_ZOOM, center(&live, Grid::Web));
     json(&headers, &style, Freshness::Revalidate)
 }
