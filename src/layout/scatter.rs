@@ -142,8 +142,7 @@ impl Scatter {
         let land = template.landmass.radius * (1.0 + template.landmass.variation) * BULGE;
         let shelf = SHELF * template.rivers.spacing;
         // Half a cell must hold land and shelf of the largest island.
-        let most = 0.5 * options.cell / options.scale[1];
-        check("landmass.radius", land + shelf, 0.0..=most)?;
+        check("scatter.cell", options.cell, 2.0 * (land + shelf) * options.scale[1]..=PLANE_LIMIT / 1024.0)?;
         let styles = Styles::for_sea(template.rivers.spacing, 0, options.sea_level)?;
         let across = TILE * options.far_spacing / options.cell + 2.0;
         let expected = across * across * options.chance * places(&template);

@@ -151,7 +151,7 @@ async fn wrong_requests_are_told_what_would_be_right() {
         ("/worlds/alps/web/r32/1/0/0@1026.bin", "404 y: after @ comes 2x (512 pixels) or a number of vertices a side, 2 … 1025; got \"1026\""),
         ("/worlds/alps/web/r32/1/0/0@1.bin", "404 y: after @ comes 2x (512 pixels) or a number of vertices a side, 2 … 1025; got \"1\""),
         ("/worlds/alps/web/r32/1/0/0.bin?filter=none", "400 filter: must be band or exact, got \"none\""),
-        ("/worlds/alps/web/r32/1/0/0.bin?fliter=exact", "400 fliter: unknown field `fliter`, expected `filter`"),
+        ("/worlds/alps/web/r32/1/0/0.bin?fliter=exact", "400 fliter: unknown field `fliter`, expected `filter` or `surface`"),
         ("/worlds/alps/elevation", "400 x: a point is given by x and y (metres) or by lon and lat (degrees)"),
         ("/worlds/alps/elevation?lon=1.2", "400 lat: a point is given by x and y (metres) or by lon and lat (degrees)"),
         ("/worlds/alps/elevation?x=1&lat=2", "400 x: a point is given by x and y (metres) or by lon and lat (degrees)"),

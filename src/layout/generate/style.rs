@@ -108,7 +108,12 @@ impl Styles {
             // Lakes have the rank of rivers: where the two meet, their levels agree, and neither bends the other's.
             rivers: style(vec![slope(), floor(bed), depth(&[[0.0, 0.3 * bed], [bed, 0.0]], bed), ground("gravel", 0.012)], 8, 0.09, 20)?,
             lakes: style(vec![slope(), floor(0.0), depth(&pond, 1.0).as_channel(0.0), ground("silt", 0.02)], 5, 0.09, 30)?,
-            ridges: style(vec![Attribute::elevation(Weight::Sharp { width: 0.02 * spacing, nearest: 0.001 }, spacing), ground("rock", 0.12)], 6, 0.12, 10)?,
+            ridges: style(
+                vec![Attribute::elevation(Weight::Sharp { width: 0.02 * spacing, nearest: 0.02 * spacing }, spacing), ground("rock", 0.12)],
+                6,
+                0.12,
+                10,
+            )?,
         })
     }
 }
