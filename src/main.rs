@@ -8,14 +8,16 @@ use std::{
     net::SocketAddr,
     path::{Path, PathBuf},
     process::ExitCode,
+    sync::Arc,
 };
 use terrane::{
-    geometry::{Filter, Window},
+    geometry::{Filter, Source, Wanted, Window},
+    layout::geojson::FeatureSet,
     noise::Isa,
     server::{self, Config},
     store::{Kind, Store},
-    tile::{Tileset, write_geotiff},
-    world::{Document, World},
+    tile::{Height, Tileset, write_geotiff},
+    world::{Document, FeatureSets, World},
 };
 use tracing_subscriber::EnvFilter;
 
@@ -78,6 +80,9 @@ struct RenderArguments {
     /// How a .png is drawn
     #[arg(long, value_enum, default_value_t = Picture::Hillshade)]
     tileset: Picture,
+    /// Which height is drawn
+    #[arg(long, value_enum, default_value_t = Drawn::Ground)]
+    surface: Drawn,
     /// Which detail samples carry
     #[arg(long, value_enum, default_value_t = Detail::Band)]
     filter: Detail,
@@ -91,6 +96,15 @@ enum Picture {
     Hillshade,
     Terrarium,
     TerrainRgb,
+    Water,
+    Materials,
+    Relief,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Drawn {
+    Ground,
+    Water,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -179,25 +193,42 @@ fn world(name: &str, data: Option<&Path>) -> anyhow::Result<World> {
     if !folder.join("terrane.sqlite").is_file() {
         bail!("there is no file {name}, and no worlds are stored in {}", folder.display());
     }
-    let worlds = runtime()?.block_on(async { Store::open_read_only(&folder).await?.documents(Kind::World).await })?;
+    let runtime = runtime()?;
+    let store = runtime.block_on(Store::open_read_only(&folder))?;
+    let worlds = runtime.block_on(store.documents(Kind::World))?;
     let names: Vec<_> = worlds.iter().map(|world| world.name.as_str()).collect();
     let Some(stored) = worlds.iter().find(|world| world.name == name) else {
         bail!("{name} is neither a file nor one of the worlds in {}: {}", folder.display(), names.join(", "));
     };
-    Ok(World::new(Document::parse_stored(stored.body.as_bytes()).with_context(|| format!("the stored world {name}"))?))
+    let mut sets = FeatureSets::default();
+    for set in FeatureSets::named_in(stored.body.as_bytes()) {
+        if let Some(stored) = runtime.block_on(store.feature_set(&set))? {
+            sets.insert(set, Arc::new(FeatureSet::read(&stored)?));
+        }
+    }
+    Ok(World::new(Document::parse_stored(stored.body.as_bytes(), &sets).with_context(|| format!("the stored world {name}"))?))
 }
 
 fn render(arguments: &RenderArguments) -> anyhow::Result<()> {
     let extension = arguments.output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     let tileset = match (extension, arguments.tileset) {
-        ("png", Picture::Hillshade) => Some(Tileset::Hillshade),
-        ("png", Picture::Terrarium) => Some(Tileset::Terrarium),
-        ("png", Picture::TerrainRgb) => Some(Tileset::TerrainRgb),
+        ("png", picture) => Some(match picture {
+            Picture::Hillshade => Tileset::Hillshade,
+            Picture::Terrarium => Tileset::Terrarium,
+            Picture::TerrainRgb => Tileset::TerrainRgb,
+            Picture::Water => Tileset::Water,
+            Picture::Materials => Tileset::Materials,
+            Picture::Relief => Tileset::Relief,
+        }),
         ("r32", Picture::Hillshade) => Some(Tileset::R32),
         ("tif" | "tiff", Picture::Hillshade) => None,
         ("r32" | "tif" | "tiff", _) => bail!("--tileset is for .png files: .{extension} holds the elevations themselves"),
         _ => bail!("{} must end in .png, .tif or .r32", arguments.output.display()),
     };
+    let height = if arguments.surface == Drawn::Water { Height::Water } else { Height::Ground };
+    if let Some(tileset) = tileset.filter(|tileset| height == Height::Water && !tileset.has_height()) {
+        bail!("--surface water is for heights: {} draws none", tileset.name());
+    }
     let filter = match arguments.filter {
         Detail::Band => Filter::Band,
         Detail::Exact => Filter::Exact,
@@ -205,12 +236,15 @@ fn render(arguments: &RenderArguments) -> anyhow::Result<()> {
     let window = Window::area(arguments.bbox, arguments.spacing, filter, RENDER_SAMPLES)?;
     let world = world(&arguments.world, arguments.data.as_deref())?;
     let writing = || format!("writing {}", arguments.output.display());
+    let evaluate = |window: &Window, wanted: Wanted| world.evaluate_parallel_with(window, Wanted { water: wanted.water || height == Height::Water, ..wanted });
     if let Some(tileset) = tileset {
-        let surface = world.evaluate_parallel(&window.with_apron(tileset.apron()));
-        fs::write(&arguments.output, tileset.encode(&surface, window.spacing())?).with_context(writing)?;
+        let surface = evaluate(&window.with_apron(tileset.apron()), tileset.wanted());
+        fs::write(&arguments.output, tileset.encode_height(surface, window.spacing(), &world.legend(), height)?).with_context(writing)?;
     } else {
         let mut file = BufWriter::new(File::create(&arguments.output).with_context(writing)?);
-        write_geotiff(&world.evaluate_parallel(&window), &window, &mut file).with_context(writing)?;
+        let mut surface = evaluate(&window, Wanted::default());
+        surface.raise_to_water();
+        write_geotiff(&surface, &window, &mut file).with_context(writing)?;
         file.flush().with_context(writing)?;
     }
     let mut out = std::io::stdout();

@@ -23,7 +23,7 @@ mod tests {
 
     #[test]
     fn a_plane_has_its_own_gradient() {
-        let mut surface = Surface { columns: 3, rows: 3, elevation: Vec::new(), non_finite: 0 };
+        let mut surface = Surface { columns: 3, rows: 3, ..Surface::default() };
         for row in 0..3_u8 {
             for column in 0..3_u8 {
                 surface.elevation.push(10.0 + 3.0 * f32::from(column) * 5.0 - 2.0 * f32::from(row) * 5.0);

@@ -11,5 +11,5 @@ pub use grid::{Grid, GridError, MAX_SIDE, MAX_ZOOM, Samples, Tile};
 pub use mercator::{MAX_LATITUDE, from_lon_lat, to_lon_lat};
 pub use rectangle::Rectangle;
 pub use shape::{Along, Chord, Curve, Detail, Edge, EdgeDetail, Elevation, MAX_ITERATIONS, MAX_VERTICES, Nearest, Shape, ShapeError, crosses};
-pub use surface::{Source, Surface};
+pub use surface::{Legend, Source, Surface, SurfaceRows, Wanted};
 pub use window::{Axis, Filter, PLANE_LIMIT, Window, WindowError};

@@ -1,5 +1,7 @@
 //! Lattices of sample points.
 
+use super::Rectangle;
+
 /// How far from the origin terrain can be asked for, in metres: 2^40.
 pub const PLANE_LIMIT: f64 = 1_099_511_627_776.0;
 
@@ -164,6 +166,17 @@ impl Window {
     #[must_use]
     pub fn spacing(&self) -> f64 {
         self.columns.spacing()
+    }
+
+    /// The least rectangle that holds the samples; empty without any.
+    #[must_use]
+    pub fn bounds(&self) -> Rectangle {
+        let ends = |axis: &Axis| [axis.coordinate(0), axis.coordinate(axis.len() as i64 - 1)];
+        if self.samples() == 0 {
+            return Rectangle::EMPTY;
+        }
+        let ([x0, x1], [y0, y1]) = (ends(&self.columns), ends(&self.rows));
+        Rectangle { min: [x0.min(x1), y0.min(y1)], max: [x0.max(x1), y0.max(y1)] }
     }
 
     /// The window with `n` more samples on every side.

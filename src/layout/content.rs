@@ -1,6 +1,6 @@
 //! Names of contents: what puts the terms of sums in an order that nothing else can change.
 
-use super::{Attribute, AttributeSet, ContentHash, Role, Side, Value, Weight};
+use super::{Attribute, AttributeSet, ContentHash, Feature, Role, Side, Value, Weight};
 use crate::geometry::{Along, Curve, Elevation, Shape};
 use sha2::{Digest, Sha256};
 
@@ -116,6 +116,15 @@ pub(super) fn of_set(attributes: &[Attribute]) -> ContentHash {
     let mut bytes = Bytes::default();
     for attribute in attributes {
         bytes.0.update(of_attribute(attribute).0);
+    }
+    bytes.finish()
+}
+
+/// Of features in their order.
+pub(super) fn of_features<'a>(features: impl Iterator<Item = &'a Feature>) -> ContentHash {
+    let mut bytes = Bytes::default();
+    for feature in features {
+        bytes.0.update(feature.hash().0);
     }
     bytes.finish()
 }

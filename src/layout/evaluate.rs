@@ -6,10 +6,10 @@ use super::{
     distance::Distances,
     kernels::{Add, Input, Merge, Sums},
     reference::{Stage, stage},
-    term::{Curve, Term, above_zero, lines},
+    term::{Cover, Curve, Term, above_zero, lines},
 };
 use crate::{
-    geometry::{Filter, Window},
+    geometry::{Filter, Shape, Window},
     noise::Isa,
     programme::Tape,
 };
@@ -73,8 +73,10 @@ struct Evaluation<'a> {
     selection: &'a Selection,
     /// Whether a field is wanted.
     wanted: Vec<bool>,
-    /// By number of the set of attributes; made when they are met.
-    prepared: BTreeMap<u32, Vec<Prepared<'a>>>,
+    /// By number of the set of attributes and whether the shape is a line; made when they are met.
+    prepared: BTreeMap<(u32, bool), (Vec<Prepared<'a>>, Vec<Cover>)>,
+    /// Shares of the block's samples that water covers.
+    cover: Box<Values>,
     terrains: Vec<Terrain<'a>>,
     block: Block,
     distances: Distances,
@@ -100,6 +102,7 @@ impl<'a> Evaluation<'a> {
             selection,
             wanted: layout.fields.iter().enumerate().map(is_wanted).collect(),
             prepared: BTreeMap::new(),
+            cover: Values::new(0.0),
             terrains: Vec::new(),
             block: Block::new(),
             distances: Distances::new(),
@@ -122,6 +125,7 @@ impl<'a> Evaluation<'a> {
         for terrain in &mut self.terrains {
             terrain.is_filled = false;
         }
+        self.cover.0.fill(0.0);
         let mut found = std::mem::take(&mut self.found);
         self.layout.find(&self.block.rectangle(0, POINTS), &mut found);
         for &number in &found {
@@ -131,21 +135,25 @@ impl<'a> Evaluation<'a> {
     }
 
     fn feature(&mut self, number: usize) {
-        let (layout, set) = (self.layout, self.layout.sets[number]);
-        if !self.prepared.contains_key(&set) {
-            let prepared = self.prepare(number);
-            self.prepared.insert(set, prepared);
+        let (layout, feature) = (self.layout, &self.layout.features[number]);
+        let key = (layout.sets[number], matches!(feature.shape(), Shape::Line(_)));
+        if !self.prepared.contains_key(&key) {
+            let prepared = (self.prepare(number), self.covers(number));
+            self.prepared.insert(key, prepared);
         }
-        let Some(prepared) = self.prepared.remove(&set) else { return };
-        if !prepared.is_empty() {
-            self.distances.find(self.isa, &self.block, &layout.features[number], layout.runs.get(&(number as u32)).map(|runs| &**runs), self.spacing);
+        let Some((prepared, covers)) = self.prepared.remove(&key) else { return };
+        if !prepared.is_empty() || !covers.is_empty() {
+            self.distances.find(self.isa, &self.block, feature, layout.runs.get(&(number as u32)).map(|runs| &**runs), self.spacing);
             if !self.distances.parts.is_empty() {
                 for attribute in &prepared {
                     self.add(attribute);
                 }
+                for cover in &covers {
+                    self.add_cover(cover);
+                }
             }
         }
-        self.prepared.insert(set, prepared);
+        self.prepared.insert(key, (prepared, covers));
     }
 
     /// The attributes of a feature that are wanted.
@@ -164,6 +172,25 @@ impl<'a> Evaluation<'a> {
             prepared.push(Prepared { term, field, stage, lines, terrain });
         }
         prepared
+    }
+
+    /// Where the attributes of a feature put water, if that is wanted.
+    fn covers(&self, number: usize) -> Vec<Cover> {
+        let feature = &self.layout.features[number];
+        let (reach, is_line) = (feature.attributes().reach(), matches!(feature.shape(), Shape::Line(_)));
+        let covers = feature.attributes().iter().filter(|_| self.selection.cover);
+        covers.filter_map(|attribute| Cover::new(attribute, reach, is_line, self.spacing)).collect()
+    }
+
+    /// Takes the greater share of each sample.
+    fn add_cover(&mut self, cover: &Cover) {
+        for &[start, count] in &self.distances.parts {
+            let shares = &mut self.cover.0[start..start + count];
+            for (share, &signed) in shares.iter_mut().zip(&self.distances.signed.0[start..start + count]) {
+                let own = cover.share(signed);
+                *share = if own > *share { own } else { *share };
+            }
+        }
     }
 
     fn terrain(&mut self, value: &'a TerrainValue) -> usize {
@@ -259,6 +286,9 @@ impl<'a> Evaluation<'a> {
             let sea = self.layout.options.sea_level.map_or(0.0, |level| level - height);
             surface.elevation[place] = height as f32;
             surface.water_depth[place] = (if sea > depth { sea } else { depth }) as f32;
+            if let Some(cover) = surface.water_cover.get_mut(place) {
+                *cover = self.cover.0[i] as f32;
+            }
         }
         for (out, &field) in surface.fields.iter_mut().zip(&self.selection.fields) {
             match (out, &self.layout.fields[field].kind) {

@@ -1,7 +1,13 @@
 //! The meaning of a layout at a point, plainly: every feature is asked, every edge of its shape too.
 
-use super::{Attribute, Field, FieldKind, FieldSurface, Layout, LayoutSurface, Mix, Role, Selection, Value, term::Term};
-use crate::{geometry::Filter, programme::Reference};
+use super::{
+    Attribute, Field, FieldKind, FieldSurface, Layout, LayoutSurface, Mix, Role, Selection, Value,
+    term::{Cover, Term},
+};
+use crate::{
+    geometry::{Filter, Shape},
+    programme::Reference,
+};
 use std::collections::BTreeMap;
 
 /// Sums of one level, of one rank of channels or of one name.
@@ -42,6 +48,9 @@ impl Layout {
         let depth = if sea > depth { sea } else { depth };
         let mut surface = LayoutSurface::new(self, selection, 1);
         (surface.elevation[0], surface.water_depth[0]) = (ground as f32, depth as f32);
+        if let Some(cover) = surface.water_cover.first_mut() {
+            *cover = self.cover(p, if filter == Filter::Band { spacing } else { 0.0 }) as f32;
+        }
         for (out, &i) in surface.fields.iter_mut().zip(&selection.fields) {
             match out {
                 FieldSurface::Numbers(out) => {
@@ -89,6 +98,19 @@ impl Layout {
             }
         }
         sums
+    }
+
+    /// The largest share that the water of any feature covers.
+    fn cover(&self, p: [f64; 2], seen: f64) -> f64 {
+        let mut most = 0.0;
+        for feature in &self.features {
+            let signed = feature.shape().nearest(p, seen).distance;
+            for attribute in feature.attributes().iter() {
+                let cover = Cover::new(attribute, feature.attributes().reach(), matches!(feature.shape(), Shape::Line(_)), seen);
+                most = cover.map_or(0.0, |cover| cover.share(signed)).max(most);
+            }
+        }
+        most
     }
 
     /// The number of a field that some feature has.

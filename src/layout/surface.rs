@@ -9,6 +9,8 @@ pub struct Selection {
     pub fields: Vec<usize>,
     /// Whether the shares of all names are wanted beside the heaviest name.
     pub fractions: bool,
+    /// Whether the share of each sample that water covers is wanted.
+    pub cover: bool,
 }
 
 impl Layout {
@@ -16,7 +18,7 @@ impl Layout {
     #[must_use]
     pub fn everything(&self) -> Selection {
         let own = |name: &str| !matches!(name, "elevation" | "water_depth");
-        Selection { fields: (0..self.fields.len()).filter(|&i| own(&self.fields[i].name)).collect(), fractions: true }
+        Selection { fields: (0..self.fields.len()).filter(|&i| own(&self.fields[i].name)).collect(), fractions: true, cover: true }
     }
 }
 
@@ -27,6 +29,10 @@ pub struct LayoutSurface {
     pub elevation: Vec<f32>,
     /// Metres of water above the ground.
     pub water_depth: Vec<f32>,
+    /// The share 0 … 1 of each sample that lies under the water of features, the sea not counted; empty if not selected.
+    pub water_cover: Vec<f32>,
+    /// The share 0 … 1 of each sample that is land though its mean lies below the sea, as far as features say so (from afar); empty if not selected.
+    pub dry: Vec<f32>,
     /// The fields that were selected, in their order.
     pub fields: Vec<FieldSurface>,
 }
@@ -54,6 +60,13 @@ impl LayoutSurface {
                 FieldSurface::Names { heaviest: vec![0; samples], fractions: vec![0.0; fractions] }
             }
         };
-        Self { elevation: vec![0.0; samples], water_depth: vec![0.0; samples], fields: selection.fields.iter().map(field).collect() }
+        let cover = if selection.cover { samples } else { 0 };
+        Self {
+            elevation: vec![0.0; samples],
+            water_depth: vec![0.0; samples],
+            water_cover: vec![0.0; cover],
+            dry: Vec::new(),
+            fields: selection.fields.iter().map(field).collect(),
+        }
     }
 }

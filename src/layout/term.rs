@@ -63,9 +63,7 @@ impl<'a> Term<'a> {
             Weight::Smooth { width } => Curve::Smooth { inverse_width: 1.0 / width },
             Weight::Custom(expression) => Curve::Custom { expression, range },
         };
-        // All of it at two spacings, nothing at a quarter of one.
-        let seen = if spacing > 0.0 { lesser(above_zero((attribute.reach() / spacing - 0.25) / 1.75), 1.0) } else { 1.0 };
-        let mut term = Self { attribute, curve, inverse_range: 1.0 / range, coverage, gain: seen * seen * (3.0 - 2.0 * seen), channel: None };
+        let mut term = Self { attribute, curve, inverse_range: 1.0 / range, coverage, gain: gain(attribute.reach(), spacing), channel: None };
         if let Role::Channel { half_width } = attribute.role {
             let first = term.curve_at(0.0);
             let inverse_first = if first > 0.0 { 1.0 / first } else { 0.0 };
@@ -148,6 +146,73 @@ fn profile(pairs: &[[f64; 2]], at: f64) -> f64 {
         value += rise * lesser(above_zero((at - from) * inverse), 1.0);
     }
     value
+}
+
+/// Where an attribute that is a depth of water puts water, for the share of samples that it covers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cover {
+    /// Metres from the shape to the water's edge, on the side that the depth counts from.
+    edge: f64,
+    /// The other edge: of a line the same on its other side, else none.
+    inner: f64,
+    side: Side,
+    /// Metres beyond which the feature says nothing.
+    reach: f64,
+    /// Half a sample and one over a whole one; 0 for samples without size.
+    half: f64,
+    inverse: f64,
+    /// Share that a feature keeps whose reach the samples hardly see.
+    gain: f64,
+}
+
+impl Cover {
+    /// `None` if the attribute is no depth or never more than 0. `reach` is that of all the feature's attributes, `spacing` 0 for the function as it is.
+    pub(super) fn new(attribute: &Attribute, reach: f64, is_line: bool, spacing: f64) -> Option<Self> {
+        let edge = match &attribute.value {
+            _ if *attribute.name != *"water_depth" => return None,
+            Value::Profile(pairs) => dry_from(pairs)?.min(attribute.reach()),
+            Value::Number(depth) if *depth <= 0.0 => return None,
+            _ => attribute.reach(),
+        };
+        let inner = if is_line { -edge } else { f64::NEG_INFINITY };
+        let inverse = if spacing > 0.0 { 1.0 / spacing } else { 0.0 };
+        Some(Self { edge, inner, side: attribute.side, reach, half: spacing / 2.0, inverse, gain: gain(reach, spacing) })
+    }
+
+    /// The share of a sample that water covers, as if its edge were straight there.
+    #[inline(always)]
+    pub(super) fn share(&self, signed: f64) -> f64 {
+        let d = match self.side {
+            Side::Inside => signed,
+            Side::Outside => -signed,
+            Side::Edge => signed.abs(),
+        };
+        if d > self.reach {
+            return 0.0;
+        }
+        if self.half == 0.0 {
+            return if d < self.edge { 1.0 } else { 0.0 };
+        }
+        let (low, high) = (d - self.half, d + self.half);
+        if self.inner == f64::NEG_INFINITY && high <= self.edge {
+            return self.gain;
+        }
+        let low = if self.inner > low { self.inner } else { low };
+        lesser(above_zero((lesser(high, self.edge) - low) * self.inverse), 1.0) * self.gain
+    }
+}
+
+/// The distance from which on a depth is no more than 0; `None` if it is nowhere more.
+fn dry_from(pairs: &[[f64; 2]]) -> Option<f64> {
+    let last = pairs.iter().rposition(|pair| pair[1] > 0.0)?;
+    let ([from, depth], Some([to, dry])) = (pairs[last], pairs.get(last + 1)) else { return Some(f64::INFINITY) };
+    Some(from + (to - from) * (depth / (depth - dry)))
+}
+
+/// The share of its weight that something keeps whose reach samples of a spacing hardly see: all of it at two spacings, nothing at a quarter of one.
+fn gain(reach: f64, spacing: f64) -> f64 {
+    let seen = if spacing > 0.0 { lesser(above_zero((reach / spacing - 0.25) / 1.75), 1.0) } else { 1.0 };
+    seen * seen * (3.0 - 2.0 * seen)
 }
 
 /// Rise, beginning and one over the length of every line.

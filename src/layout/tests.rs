@@ -137,6 +137,7 @@ fn reference(layout: &Layout, window: &Window, base: Option<&[f32]>) -> LayoutSu
         let one = layout.at(p, window.spacing(), window.filter, base.map(|base| base[i]), &selection);
         all.elevation.extend(one.elevation);
         all.water_depth.extend(one.water_depth);
+        all.water_cover.extend(one.water_cover);
         for (all, one) in all.fields.iter_mut().zip(one.fields) {
             match (all, one) {
                 (FieldSurface::Numbers(all), FieldSurface::Numbers(one)) => all.extend(one),

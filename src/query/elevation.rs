@@ -1,7 +1,7 @@
 //! The elevation of a point.
 
 use crate::{
-    geometry::{Filter, Window, WindowError},
+    geometry::{Filter, Wanted, Window, WindowError},
     world::World,
 };
 
@@ -23,9 +23,8 @@ pub fn elevation(world: &World, x: f64, y: f64, spacing: Option<f64>) -> Result<
         Some(spacing) => Window::point(x, y, spacing, Filter::Band)?,
         None => Window::point(x, y, 1.0, Filter::Exact)?,
     };
-    let elevation = world.evaluate(&window).elevation[0];
-    let sea_level = world.document().sea_level as f32;
-    Ok(PointElevation { elevation, water_depth: (sea_level - elevation).max(0.0) })
+    let ground = world.evaluate_with(&window, Wanted { water: true, materials: false });
+    Ok(PointElevation { elevation: ground.elevation[0], water_depth: ground.water_depth[0] })
 }
 
 #[cfg(test)]

@@ -53,6 +53,8 @@ pub struct CacheConfig {
 pub struct LimitsConfig {
     /// Bytes of a world document, 1 … 16777216.
     pub world_bytes: usize,
+    /// Bytes of features in one request, 1 … 536870912.
+    pub feature_bytes: usize,
     /// Seconds of predicted evaluation waiting before new tiles are refused with 503, 1 … 3600.
     pub pending_seconds: u64,
 }
@@ -72,7 +74,7 @@ impl Default for CacheConfig {
 
 impl Default for LimitsConfig {
     fn default() -> Self {
-        Self { world_bytes: 1_048_576, pending_seconds: 20 }
+        Self { world_bytes: 1_048_576, feature_bytes: 536_870_912, pending_seconds: 20 }
     }
 }
 
@@ -128,6 +130,7 @@ impl Config {
         range("server.drain_seconds", self.server.drain_seconds, 0, 3600);
         range("cache.old_revisions", self.cache.old_revisions as u64, 1, 100_000);
         range("limits.world_bytes", self.limits.world_bytes as u64, 1, 16_777_216);
+        range("limits.feature_bytes", self.limits.feature_bytes as u64, 1, 536_870_912);
         range("limits.pending_seconds", self.limits.pending_seconds, 1, 3600);
         let url = &self.server.public_url;
         if !(url.is_empty() || url.parse::<axum::http::Uri>().is_ok_and(|uri| uri.host().is_some() && matches!(uri.scheme_str(), Some("http" | "https")))) {

@@ -31,6 +31,8 @@ pub(super) enum ApiError {
     TooLarge(usize),
     /// The document was understood and is wrong.
     Invalid(Kind, Vec<Entry>),
+    /// Features were understood and are wrong.
+    InvalidFeatures(Vec<Entry>),
     /// A web page of another origin tries to write.
     CrossSite,
     /// The request may come from another machine, and the server cannot tell who may write.
@@ -85,6 +87,10 @@ impl ApiError {
                     Kind::Programme => "invalid-programme",
                 };
                 (StatusCode::UNPROCESSABLE_ENTITY, invalid, detail, errors)
+            }
+            ApiError::InvalidFeatures(errors) => {
+                let detail = format!("The features have {} problem{}; nothing was stored.", errors.len(), if errors.len() == 1 { "" } else { "s" });
+                (StatusCode::UNPROCESSABLE_ENTITY, "invalid-features", detail, errors)
             }
             ApiError::CrossSite => {
                 let detail = "Web pages of other sites may read but not write.";
@@ -148,7 +154,7 @@ impl From<LoadError> for ApiError {
     fn from(error: LoadError) -> Self {
         match error {
             LoadError::Store(error) => error.into(),
-            LoadError::Document { .. } => ApiError::internal("a stored document cannot be read", &error),
+            LoadError::Document { .. } | LoadError::Set { .. } => ApiError::internal("a stored document cannot be read", &error),
             LoadError::Panicked(Panicked) => ApiError::Internal,
         }
     }

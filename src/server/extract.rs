@@ -9,7 +9,7 @@ use super::{
 use crate::{
     geometry::{Filter, Grid, MAX_SIDE, MAX_ZOOM, Samples, Tile},
     store::Condition,
-    tile::{TileRequest, Tileset},
+    tile::{Height, TileRequest, Tileset},
     world::{Revision, check_name},
 };
 use axum::{
@@ -119,6 +119,21 @@ impl FromRequestParts<App> for WorldAt {
     }
 }
 
+/// A feature's address: the name of its world and its id, either of which may not be there.
+pub(super) struct FeatureAt {
+    pub world: String,
+    pub id: String,
+}
+
+impl FromRequestParts<App> for FeatureAt {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
+        let mut parameters = path(parts).await?;
+        Ok(Self { world: parameters.remove("world").unwrap_or_default(), id: parameters.remove("id").unwrap_or_default() })
+    }
+}
+
 fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
     let (distance, near) = candidates.map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate)).min()?;
     (distance <= 2).then(|| near.to_owned())
@@ -159,6 +174,7 @@ impl FromRequestParts<App> for TilesetPath {
 #[serde(deny_unknown_fields)]
 struct TileQuery {
     filter: Option<String>,
+    surface: Option<String>,
 }
 
 /// A tile that there is.
@@ -180,7 +196,13 @@ impl FromRequestParts<App> for TilePath {
             Some("exact") => Filter::Exact,
             Some(other) => return Err(ApiError::parameter("filter", format!("must be band or exact, got {other:?}"))),
         };
-        Ok(Self(TileRequest { grid, tile, samples, filter, tileset }))
+        let height = match query.surface.as_deref() {
+            None | Some("ground") => Height::Ground,
+            Some("water") if tileset.has_height() => Height::Water,
+            Some("water") => return Err(ApiError::parameter("surface", format!("{} draws no heights: leave it out", tileset.name()))),
+            Some(other) => return Err(ApiError::parameter("surface", format!("must be ground or water, got {other:?}"))),
+        };
+        Ok(Self(TileRequest { grid, tile, samples, filter, tileset, height }))
     }
 }
 
@@ -206,11 +228,13 @@ fn parse_file(file: &str, tileset: Tileset) -> Result<(i64, Samples), ApiError> 
     if extension != wanted {
         return Err(ApiError::absent("y", format!("tiles of {} end in .{wanted}, got {file:?}", tileset.name())));
     }
-    let Some((row, samples)) = stem.split_once('@') else { return Ok((parse_index("y", stem)?, Samples::Centres(256))) };
+    // Vector tiles are drawn from vertices, which neighbours share.
+    let pixels = |side: usize| if tileset.layers().is_empty() { Samples::Centres(side) } else { Samples::Vertices(side + 1) };
+    let Some((row, samples)) = stem.split_once('@') else { return Ok((parse_index("y", stem)?, pixels(256))) };
     let row = parse_index("y", row)?;
     let side = samples.parse::<usize>().ok().filter(|side| (2..=MAX_SIDE).contains(side));
     match (samples, side) {
-        ("2x", _) => Ok((row, Samples::Centres(512))),
+        ("2x", _) => Ok((row, pixels(512))),
         (_, Some(side)) => Ok((row, Samples::Vertices(side))),
         _ => Err(ApiError::absent("y", format!("after @ comes 2x (512 pixels) or a number of vertices a side, 2 … {MAX_SIDE}; got {samples:?}"))),
     }

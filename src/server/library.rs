@@ -2,13 +2,14 @@
 
 use super::{
     compute::Compute,
+    sets::StoredSets,
     shelf::{LoadError, Shelf, Shelved, shipped},
     state::App,
 };
 use crate::{
     store::{Content, Kind, Store},
     tile::{self, PREVIEW_FORM, TileError},
-    world::{DocumentError, Fingerprint, PRESETS, Preset, Revision, Survey, World},
+    world::{DocumentError, FeatureSets, Fingerprint, PRESETS, Preset, Revision, Survey, World},
 };
 use std::sync::Arc;
 
@@ -26,12 +27,16 @@ impl Shelved for Shown {
     const PATH: &'static str = "programmes";
     type Document = Preset;
 
-    fn parse(json: &[u8]) -> Result<Preset, DocumentError> {
+    fn parse(json: &[u8], _: &FeatureSets) -> Result<Preset, DocumentError> {
         Preset::parse(json)
     }
 
-    fn parse_stored(json: &[u8]) -> Result<Preset, DocumentError> {
+    fn parse_stored(json: &[u8], _: &FeatureSets) -> Result<Preset, DocumentError> {
         Preset::parse_stored(json)
+    }
+
+    fn sets_in(_: &[u8]) -> Vec<String> {
+        Vec::new()
     }
 
     fn content(preset: &Preset) -> Content {
@@ -82,9 +87,9 @@ impl Shown {
 }
 
 /// Loads the library; what ships with this version and was never there comes first.
-pub(super) async fn load(store: Store, compute: Arc<Compute>) -> Result<Shelf<Shown>, LoadError> {
+pub(super) async fn load(store: Store, compute: Arc<Compute>, sets: Arc<StoredSets>) -> Result<Shelf<Shown>, LoadError> {
     for preset in PRESETS {
-        store.ship(preset.name, shipped::<Shown>(preset.name, preset.json)?).await?;
+        store.ship(preset.name, shipped::<Shown>(&compute, preset.name, preset.json).await?).await?;
     }
-    Shelf::load(store, compute).await
+    Shelf::load(store, compute, sets).await
 }

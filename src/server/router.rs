@@ -3,7 +3,7 @@
 use super::{
     compute::panic_message,
     error::ApiError,
-    handler::{catalog, description, elevation, health, programme, shader, tile, viewer, world},
+    handler::{catalog, description, elevation, feature, feature_edit, health, programme, shader, tile, viewer, world},
     state::App,
 };
 use axum::{
@@ -26,6 +26,7 @@ use utoipa_axum::{router::OpenApiRouter, routes};
     info(title = "Terrane", description = "Streams endless, deterministic, generated terrain to map viewers, GIS tools and game clients."),
     tags(
         (name = "worlds", description = "World documents and their revisions"),
+        (name = "features", description = "The features that worlds keep: rivers, ridges, lakes, as GeoJSON"),
         (name = "programmes", description = "The library of terrain programmes"),
         (name = "tiles", description = "Terrain as tiles"),
         (name = "queries", description = "Questions about the ground"),
@@ -45,6 +46,9 @@ fn documented() -> OpenApiRouter<App> {
         .routes(routes!(catalog::list_worlds, world::post_world))
         .routes(routes!(world::get_world, world::put_world, world::delete_world))
         .routes(routes!(world::list_revisions))
+        .routes(routes!(feature::list_features, feature_edit::post_features))
+        .routes(routes!(feature::get_feature, feature_edit::put_feature, feature_edit::delete_feature))
+        .routes(routes!(feature_edit::generate_features))
         .routes(routes!(programme::list_programmes, programme::post_programme))
         .routes(routes!(programme::get_programme, programme::put_programme, programme::delete_programme))
         .routes(routes!(programme::get_text))

@@ -1,6 +1,7 @@
 //! The JSON that goes over the wire, as `OpenAPI` describes it.
 
 use serde::Serialize;
+use std::collections::BTreeMap;
 use utoipa::ToSchema;
 
 /// A world document. Requests may leave out what has a default; responses hold every field.
@@ -28,9 +29,31 @@ pub(super) struct WorldSchema {
     sea_level: f64,
     #[schema(inline)]
     base: BaseSchema,
-    /// What lies above the base: no layer source is built yet, so this is empty.
-    #[schema(required = false, max_items = 0)]
-    layers: Vec<serde_json::Value>,
+    /// What lies above the base, at most 64 layers.
+    #[schema(required = false, max_items = 64)]
+    layers: Vec<LayerSchema>,
+}
+
+/// Something that lies above the base.
+#[derive(ToSchema)]
+#[schema(as = Layer)]
+#[expect(dead_code, reason = "as above")]
+pub(super) struct LayerSchema {
+    /// 1 to 63 of a … z, 0 … 9 and -; like none of the others.
+    name: String,
+    /// Where its terrain comes from: `{"layout": …}`, see docs/layouts.md.
+    source: serde_json::Value,
+    /// `replace`, `add`, `max` or `min`.
+    #[schema(required = false, default = "replace")]
+    blend: String,
+    /// Layers are laid in ascending priority, of equal priority in their order.
+    #[schema(required = false, default = 0)]
+    priority: i32,
+    /// Where it shows: `{"polygon": [[x, y], …]}` in metres, 3 to 512 corners; everywhere without one.
+    mask: Option<serde_json::Value>,
+    /// Metres inside the mask's border over which the layer comes up to its full strength.
+    #[schema(required = false, default = 0, minimum = 0)]
+    fade: f64,
 }
 
 /// The vertical range, in metres.
@@ -195,12 +218,38 @@ pub(super) struct TileJson {
     pub maxzoom: u8,
     /// Longitude, latitude and zoom of a view with relief (`web`); x, y and zoom in metres on `metric`.
     pub center: [f64; 3],
-    /// Pixels a side.
-    #[serde(rename = "tileSize")]
-    pub tile_size: u32,
+    /// Pixels a side; not there for vector tiles.
+    #[serde(rename = "tileSize", skip_serializing_if = "Option::is_none")]
+    pub tile_size: Option<u32>,
+    /// The layers of vector tiles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vector_layers: Option<Vec<VectorLayerSchema>>,
     /// How elevation is packed; not there for pictures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub encoding: Option<&'static str>,
+    /// What the numbers of `materials` mean, and the colours of `relief`; 0 is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub materials: Option<Vec<MaterialSchema>>,
+}
+
+/// A material of the ground.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Material)]
+pub(super) struct MaterialSchema {
+    /// Its number in tiles, 1 … 255.
+    pub id: usize,
+    pub name: String,
+    /// `#rrggbb`.
+    pub colour: String,
+}
+
+/// A layer of vector tiles.
+#[derive(Serialize, ToSchema)]
+pub(super) struct VectorLayerSchema {
+    pub id: &'static str,
+    pub description: &'static str,
+    /// The properties of its features: what they are, by name.
+    pub fields: BTreeMap<String, &'static str>,
 }
 
 /// The ground at a point, in metres.
@@ -217,6 +266,59 @@ pub(super) struct ElevationSchema {
     pub elevation: f32,
     /// Depth of the water above it, 0 on land.
     pub water_depth: f32,
+}
+
+/// A feature (RFC 7946), in world metres; the third coordinate is the elevation.
+#[derive(ToSchema)]
+#[schema(as = Feature)]
+#[expect(dead_code, reason = "read and written by crate::layout::geojson; this describes it")]
+pub(super) struct FeatureSchema {
+    /// `Feature`.
+    #[serde(rename = "type")]
+    #[schema(rename = "type", example = "Feature")]
+    kind: String,
+    /// Text of 1 to 200 characters or a whole number; made where it is missing.
+    #[schema(required = false)]
+    id: serde_json::Value,
+    /// A `Point`, a `LineString` or a `Polygon`.
+    geometry: serde_json::Value,
+    /// `attributes` (the name of a set, or a list), and as needed `elevation`, `radius`, `detail`, `along`, `precedence`. All others are kept and have no influence.
+    properties: serde_json::Value,
+}
+
+/// Features with the sets of attributes that they share.
+#[derive(ToSchema)]
+#[schema(as = FeatureCollection)]
+#[expect(dead_code, reason = "as above")]
+pub(super) struct FeatureCollectionSchema {
+    /// `FeatureCollection`.
+    #[serde(rename = "type")]
+    #[schema(rename = "type", example = "FeatureCollection")]
+    kind: String,
+    /// Lists of attributes by name.
+    #[schema(required = false)]
+    attributes: serde_json::Value,
+    features: Vec<FeatureSchema>,
+    /// How many features were found.
+    #[schema(required = false, rename = "numberMatched")]
+    number_matched: usize,
+    /// How many are here.
+    #[schema(required = false, rename = "numberReturned")]
+    number_returned: usize,
+    /// `self`, and `next` where there are more.
+    #[schema(required = false)]
+    links: Vec<serde_json::Value>,
+}
+
+/// What was added to a world's features.
+#[derive(Serialize, ToSchema)]
+pub(super) struct AddedSchema {
+    /// How many features.
+    pub added: usize,
+    /// Their ids, of many the first 1000.
+    pub ids: Vec<String>,
+    /// The world's new revision.
+    pub revision: String,
 }
 
 /// Whether the server lives or takes requests.

@@ -2,13 +2,16 @@
 
 use super::{
     compute::{Compute, Panicked},
+    sets::StoredSets,
     state::App,
 };
 use crate::{
+    layout::geojson::{FeatureSet, ReadError, StoredSet},
     store::{Condition, Content, Kind, RevisionEntry, Saved, Store, StoreError},
-    world::{DocumentError, Revision},
+    world::{DocumentError, FeatureSets, Revision},
 };
 use arc_swap::ArcSwap;
+use axum::body::Bytes;
 use std::{collections::BTreeMap, sync::Arc};
 
 /// A document of a kind with what was made of it for serving.
@@ -19,10 +22,12 @@ pub(super) trait Shelved: Sized + Send + Sync + 'static {
     const PATH: &'static str;
     type Document: Clone + Send + Sync + 'static;
 
-    /// Reads a new document.
-    fn parse(json: &[u8]) -> Result<Self::Document, DocumentError>;
+    /// Reads a new document; sets of features that it names are given.
+    fn parse(json: &[u8], sets: &FeatureSets) -> Result<Self::Document, DocumentError>;
     /// Reads a document that was accepted before.
-    fn parse_stored(json: &[u8]) -> Result<Self::Document, DocumentError>;
+    fn parse_stored(json: &[u8], sets: &FeatureSets) -> Result<Self::Document, DocumentError>;
+    /// The names of the sets of features that a document names.
+    fn sets_in(json: &[u8]) -> Vec<String>;
     fn content(document: &Self::Document) -> Content;
     fn title_of(document: &Self::Document) -> Option<&str>;
 
@@ -57,6 +62,14 @@ pub(crate) enum LoadError {
         /// What is wrong with it.
         error: DocumentError,
     },
+    /// A stored set of features is not one that this version reads.
+    #[error("the stored set of features {name:?}: {error}")]
+    Set {
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        error: ReadError,
+    },
     /// It could not be evaluated.
     #[error(transparent)]
     Panicked(#[from] Panicked),
@@ -68,6 +81,7 @@ type Index<T> = BTreeMap<String, Arc<T>>;
 pub(super) struct Shelf<T> {
     store: Store,
     compute: Arc<Compute>,
+    sets: Arc<StoredSets>,
     index: ArcSwap<Index<T>>,
     /// Held from a write to the store until the index shows it, so that both change in the same order.
     writing: tokio::sync::Mutex<()>,
@@ -75,18 +89,18 @@ pub(super) struct Shelf<T> {
 
 impl<T: Shelved> Shelf<T> {
     /// Loads every document of the kind.
-    pub(super) async fn load(store: Store, compute: Arc<Compute>) -> Result<Self, LoadError> {
+    pub(super) async fn load(store: Store, compute: Arc<Compute>, sets: Arc<StoredSets>) -> Result<Self, LoadError> {
         let mut index = Index::new();
         for stored in store.documents(T::KIND).await? {
             // One document that cannot be read must not take the others with it.
-            match revive(&compute, &stored.name, &stored.body).await {
+            match revive(&compute, &sets, &stored.name, stored.body).await {
                 Ok(live) => {
                     index.insert(stored.name, live);
                 }
                 Err(error) => tracing::error!(%error, "a stored {} is left out", T::KIND),
             }
         }
-        Ok(Self { store, compute, index: ArcSwap::from_pointee(index), writing: tokio::sync::Mutex::default() })
+        Ok(Self { store, compute, sets, index: ArcSwap::from_pointee(index), writing: tokio::sync::Mutex::default() })
     }
 
     /// Every document, by name.
@@ -102,7 +116,7 @@ impl<T: Shelved> Shelf<T> {
     /// What a name stood for at a revision, from disk.
     pub(super) async fn read(&self, name: &str, revision: &Revision) -> Result<Option<Arc<T>>, LoadError> {
         match self.store.document(T::KIND, name, revision).await? {
-            Some(body) => Ok(Some(revive(&self.compute, name, &body).await?)),
+            Some(body) => Ok(Some(revive(&self.compute, &self.sets, name, body).await?)),
             None => Ok(None),
         }
     }
@@ -112,11 +126,28 @@ impl<T: Shelved> Shelf<T> {
         self.store.revisions(T::KIND, name).await
     }
 
+    /// Reads a new document, with the stored sets of features that it names and perhaps one that is not stored yet.
+    pub(super) async fn parse(&self, json: Bytes, new: Option<(String, Arc<FeatureSet>)>) -> Result<Result<T::Document, DocumentError>, LoadError> {
+        let sets = self.sets.find(&self.compute, T::sets_in(&json), new).await?;
+        Ok(self.compute.run(move || T::parse(&json, &sets)).await?)
+    }
+
     /// Saves a document, first on disk, then in memory.
     pub(super) async fn save(&self, name: &str, document: T::Document, condition: &Condition) -> Result<(Saved, Arc<T>), LoadError> {
+        self.save_with(name, document, None, condition).await
+    }
+
+    /// As [`Shelf::save`], together with a set of features that the document names.
+    pub(super) async fn save_with(
+        &self,
+        name: &str,
+        document: T::Document,
+        set: Option<&StoredSet>,
+        condition: &Condition,
+    ) -> Result<(Saved, Arc<T>), LoadError> {
         let live = prepare::<T>(&self.compute, name, document).await?;
         let _writing = self.writing.lock().await;
-        let saved = self.store.save(name, T::content(live.document()), condition).await?;
+        let saved = self.store.save_with(name, T::content(live.document()), set, condition).await?;
         self.change(|index| {
             index.insert(name.to_owned(), Arc::clone(&live));
         });
@@ -142,17 +173,20 @@ impl<T: Shelved> Shelf<T> {
     }
 }
 
-/// Reads what ships with the program.
-pub(super) fn shipped<T: Shelved>(name: &str, json: &str) -> Result<Content, LoadError> {
-    parse::<T>(name, json).map(|document| T::content(&document))
+/// Reads what ships with the program, on the compute pool.
+pub(super) async fn shipped<T: Shelved>(compute: &Compute, name: &'static str, json: &'static str) -> Result<Content, LoadError> {
+    compute.run(move || parse::<T>(name, json, &FeatureSets::default()).map(|document| T::content(&document))).await?
 }
 
-fn parse<T: Shelved>(name: &str, body: &str) -> Result<T::Document, LoadError> {
-    T::parse_stored(body.as_bytes()).map_err(|error| LoadError::Document { kind: T::KIND, name: name.to_owned(), error })
+fn parse<T: Shelved>(name: &str, body: &str, sets: &FeatureSets) -> Result<T::Document, LoadError> {
+    T::parse_stored(body.as_bytes(), sets).map_err(|error| LoadError::Document { kind: T::KIND, name: name.to_owned(), error })
 }
 
-async fn revive<T: Shelved>(compute: &Compute, name: &str, body: &str) -> Result<Arc<T>, LoadError> {
-    Ok(prepare(compute, name, parse::<T>(name, body)?).await?)
+/// Reads, generates, compiles, and surveys where that is needed, on the compute pool.
+async fn revive<T: Shelved>(compute: &Compute, sets: &StoredSets, name: &str, body: String) -> Result<Arc<T>, LoadError> {
+    let found = sets.find(compute, T::sets_in(body.as_bytes()), None).await?;
+    let name = name.to_owned();
+    compute.run(move || Ok(Arc::new(T::new(&name, parse::<T>(&name, &body, &found)?)))).await?
 }
 
 /// Compiles, and surveys where that is needed, on the compute pool.

@@ -4,6 +4,7 @@ use super::{
     compute::Compute,
     config::Config,
     library::{self, Shown},
+    sets::StoredSets,
     shelf::{LoadError, Shelf},
     tiles::Tiles,
     worlds::Worlds,
@@ -30,6 +31,9 @@ pub(super) struct AppState {
     /// Without a slash at its end; empty: from each request's Host header.
     pub public_url: String,
     pub world_bytes: usize,
+    pub feature_bytes: usize,
+    /// Held from reading a world's features to saving them, so that no edit is lost.
+    pub editing: tokio::sync::Mutex<()>,
     /// Whether worlds and programmes can be written: only where no other machine is meant to reach the server.
     pub writable: bool,
     store: Store,
@@ -69,8 +73,9 @@ impl App {
         let queries = Arc::new(Compute::new("query", config.server.threads)?);
         let store = Store::open(&config.server.data).await.map_err(|error| load(error.into()))?;
         let old_revisions = NonZeroUsize::new(config.cache.old_revisions).unwrap_or(NonZeroUsize::MIN);
-        let worlds = Worlds::load(store.clone(), Arc::clone(&queries), old_revisions).await.map_err(load)?;
-        let library = library::load(store.clone(), Arc::clone(&queries)).await.map_err(load)?;
+        let sets = Arc::new(StoredSets::new(store.clone()));
+        let worlds = Worlds::load(store.clone(), Arc::clone(&queries), Arc::clone(&sets), old_revisions).await.map_err(load)?;
+        let library = library::load(store.clone(), Arc::clone(&queries), sets).await.map_err(load)?;
         Ok(Self(Arc::new(AppState {
             worlds,
             library,
@@ -78,6 +83,8 @@ impl App {
             queries,
             public_url: config.server.public_url.trim_end_matches('/').to_owned(),
             world_bytes: config.limits.world_bytes,
+            feature_bytes: config.limits.feature_bytes,
+            editing: tokio::sync::Mutex::default(),
             writable: config.server.listen.ip().is_loopback() && config.server.public_url.is_empty(),
             store,
             draining: AtomicBool::new(false),

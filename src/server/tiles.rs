@@ -188,7 +188,7 @@ impl Tiles {
 mod tests {
     use super::*;
     use crate::{
-        geometry::{Filter, Grid, Samples, Tile},
+        geometry::{Filter, Grid, Rectangle, Samples, Tile},
         world::{Document, World},
     };
     use std::{sync::mpsc, time::Duration};
@@ -200,7 +200,7 @@ mod tests {
 
     fn fingerprint(x: i64) -> Fingerprint {
         let document = Document::parse(br#"{"seed":1,"base":{"programme":"x","scale":1}}"#).expect("valid");
-        World::new(document).fingerprint("test", Grid::Web, Tile { z: 9, x, y: 0 }, Samples::Centres(256), Filter::Band)
+        World::new(document).fingerprint("test", &Rectangle::EMPTY, Grid::Web, Tile { z: 9, x, y: 0 }, Samples::Centres(256), Filter::Band)
     }
 
     #[tokio::test]

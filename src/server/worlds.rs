@@ -2,12 +2,13 @@
 
 use super::{
     compute::Compute,
+    sets::StoredSets,
     shelf::{LoadError, Shelf, Shelved, shipped},
     state::App,
 };
 use crate::{
     store::{Condition, Content, Kind, Store},
-    world::{Document, DocumentError, EXAMPLES, Revision, Survey, World},
+    world::{Document, DocumentError, EXAMPLES, FeatureSets, Revision, Survey, World},
 };
 use lru::LruCache;
 use std::{
@@ -28,12 +29,16 @@ impl Shelved for Live {
     const PATH: &'static str = "worlds";
     type Document = Document;
 
-    fn parse(json: &[u8]) -> Result<Document, DocumentError> {
-        Document::parse(json)
+    fn parse(json: &[u8], sets: &FeatureSets) -> Result<Document, DocumentError> {
+        Document::parse_with(json, sets)
     }
 
-    fn parse_stored(json: &[u8]) -> Result<Document, DocumentError> {
-        Document::parse_stored(json)
+    fn parse_stored(json: &[u8], sets: &FeatureSets) -> Result<Document, DocumentError> {
+        Document::parse_stored(json, sets)
+    }
+
+    fn sets_in(json: &[u8]) -> Vec<String> {
+        FeatureSets::named_in(json)
     }
 
     fn content(document: &Document) -> Content {
@@ -77,13 +82,13 @@ pub(super) struct Worlds {
 
 impl Worlds {
     /// Loads every world; a store that never held any gets the examples first.
-    pub(super) async fn load(store: Store, compute: Arc<Compute>, old_revisions: NonZeroUsize) -> Result<Self, LoadError> {
+    pub(super) async fn load(store: Store, compute: Arc<Compute>, sets: Arc<StoredSets>, old_revisions: NonZeroUsize) -> Result<Self, LoadError> {
         if store.is_empty(Kind::World).await? {
             for example in EXAMPLES {
-                store.save(example.name, shipped::<Live>(example.name, example.json)?, &Condition::Any).await?;
+                store.save(example.name, shipped::<Live>(&compute, example.name, example.json).await?, &Condition::Any).await?;
             }
         }
-        Ok(Self { shelf: Shelf::load(store, compute).await?, old: Mutex::new(LruCache::new(old_revisions)) })
+        Ok(Self { shelf: Shelf::load(store, compute, sets).await?, old: Mutex::new(LruCache::new(old_revisions)) })
     }
 
     /// A world as it was at a revision; `None` if it is gone or never was there.

@@ -8,7 +8,7 @@ pub(super) const LAYOUT: i64 = STEPS.len() as i64;
 
 /// From each layout to the next. Append-only, as the tables are: a document is stored once under its content's name, and every save or deletion of a name is a
 /// row; a deletion has no revision.
-const STEPS: [&str; 2] = [
+const STEPS: [&str; 3] = [
     "
     CREATE TABLE document (revision TEXT PRIMARY KEY, body TEXT NOT NULL) STRICT;
     CREATE TABLE history (
@@ -41,10 +41,29 @@ const STEPS: [&str; 2] = [
     ) STRICT, WITHOUT ROWID;
     PRAGMA user_version = 2;
     ",
+    // Sets of features, which documents name by content. A set is a list of parts, so that what an edit leaves alone is not stored again.
+    "
+    CREATE TABLE feature_part (name TEXT PRIMARY KEY, body TEXT NOT NULL) STRICT;
+    CREATE TABLE feature_set (name TEXT PRIMARY KEY, attributes TEXT NOT NULL) STRICT;
+    CREATE TABLE feature_set_part (
+        feature_set TEXT NOT NULL REFERENCES feature_set (name),
+        number INTEGER NOT NULL,
+        part TEXT NOT NULL REFERENCES feature_part (name),
+        PRIMARY KEY (feature_set, number)
+    ) STRICT, WITHOUT ROWID;
+    PRAGMA user_version = 3;
+    ",
 ];
 
 /// What lets a connection that may not write read layout 1 as this one.
 const READ_LAYOUT_1: &str = "CREATE TEMP VIEW history AS SELECT 'world' AS kind, world AS name, number, time, revision FROM main.history";
+
+/// What lets it read layouts before the third: there are no sets of features.
+const READ_LAYOUT_2: &str = "
+    CREATE TEMP TABLE feature_set (name TEXT, attributes TEXT);
+    CREATE TEMP TABLE feature_set_part (feature_set TEXT, number INTEGER, part TEXT);
+    CREATE TEMP TABLE feature_part (name TEXT, body TEXT);
+";
 
 async fn found(connection: impl Executor<'_, Database = Sqlite>) -> Result<i64, StoreError> {
     let found = sqlx::query_scalar("PRAGMA user_version").fetch_one(connection).await?;
@@ -62,8 +81,12 @@ pub(super) async fn lay_out(transaction: &mut SqliteConnection) -> Result<(), St
 
 /// Lets a connection that may not write read tables of this version's layout or of an older one.
 pub(super) async fn read_as_laid_out(connection: &mut SqliteConnection) -> Result<(), StoreError> {
-    if found(&mut *connection).await? == 1 {
-        sqlx::raw_sql(READ_LAYOUT_1).execute(connection).await?;
+    let found = found(&mut *connection).await?;
+    if found == 1 {
+        sqlx::raw_sql(READ_LAYOUT_1).execute(&mut *connection).await?;
+    }
+    if found < 3 {
+        sqlx::raw_sql(READ_LAYOUT_2).execute(connection).await?;
     }
     Ok(())
 }

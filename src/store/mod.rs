@@ -1,7 +1,8 @@
-//! What a server keeps: every saved revision of every world and of every programme of the library.
+//! What a server keeps: every saved revision of every world and of every programme of the library, and the sets of features that worlds name.
 
 mod content;
 mod error;
+mod feature_set;
 mod layout;
 mod sqlite;
 

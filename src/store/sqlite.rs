@@ -1,7 +1,7 @@
 //! The embedded store: one `SQLite` file, write-ahead log, every commit synced to disk before it is acknowledged.
 
-use super::{Content, Kind, StoreError, layout};
-use crate::world::Revision;
+use super::{Content, Kind, StoreError, feature_set, layout};
+use crate::{layout::geojson::StoredSet, world::Revision};
 use sqlx::{
     Row, Sqlite, SqlitePool, Transaction,
     sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous},
@@ -73,7 +73,7 @@ pub struct RevisionEntry {
 /// Documents in an `SQLite` file.
 #[derive(Clone, Debug)]
 pub struct Store {
-    pool: SqlitePool,
+    pub(super) pool: SqlitePool,
     /// Held by the one server that writes here, for as long as it lives.
     _lock: Option<Arc<File>>,
 }
@@ -143,12 +143,23 @@ impl Store {
     /// # Errors
     /// If the condition does not hold or the database fails; then nothing is stored.
     pub async fn save(&self, name: &str, content: impl Into<Content>, condition: &Condition) -> Result<Saved, StoreError> {
+        self.save_with(name, content, None, condition).await
+    }
+
+    /// As [`Store::save`], together with a set of features that the document names: both or neither.
+    ///
+    /// # Errors
+    /// As [`Store::save`].
+    pub async fn save_with(&self, name: &str, content: impl Into<Content>, set: Option<&StoredSet>, condition: &Condition) -> Result<Saved, StoreError> {
         let content = content.into();
         let mut transaction = self.begin().await?;
         let (number, head) = head(&mut transaction, content.kind, name).await?;
         condition.check(content.kind, head.as_deref())?;
         if head.as_deref() == Some(content.revision.as_str()) {
             return Ok(Saved::Unchanged);
+        }
+        if let Some(set) = set {
+            feature_set::put(&mut transaction, set).await?;
         }
         put(&mut transaction, name, number + 1, &content).await?;
         transaction.commit().await?;

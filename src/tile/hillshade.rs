@@ -27,7 +27,7 @@ mod tests {
 
     fn grey(dx: f32, dy: f32) -> u8 {
         let elevation = (0..9_u8).map(|i| dx * f32::from(i % 3) - dy * f32::from(i / 3)).collect();
-        shade(&Surface { columns: 3, rows: 3, elevation, non_finite: 0 }, 1.0)[0]
+        shade(&Surface { columns: 3, rows: 3, elevation, ..Surface::default() }, 1.0)[0]
     }
 
     #[test]

@@ -1,19 +1,38 @@
 //! Surfaces as tiles and images: encodings, shading, files.
 
+mod clip;
+mod contours;
 mod geotiff;
 mod hillshade;
+mod lines;
+mod materials;
+mod mvt;
 mod png;
 mod preview;
 mod relief;
 mod rgb;
 mod tileset;
+mod water;
 
+pub use contours::contour_interval;
 pub use geotiff::write_geotiff;
+pub use lines::render_features;
+pub use materials::material_colour;
 pub use preview::{PREVIEW_FORM, preview};
 pub use relief::Ramp;
-pub use tileset::{EncodeError, Tileset};
+pub use tileset::{EncodeError, Tileset, VectorLayer};
 
-use crate::geometry::{Filter, Grid, GridError, Samples, Source, Surface, Tile, Window};
+use crate::geometry::{Filter, Grid, GridError, Legend, Samples, Source, Surface, Tile, Wanted, Window};
+
+/// Which height tiles of elevations hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Height {
+    /// The ground, also under water.
+    #[default]
+    Ground,
+    /// The surface of the water where there is some.
+    Water,
+}
 
 /// What a request for a tile asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -28,6 +47,8 @@ pub struct TileRequest {
     pub filter: Filter,
     /// How they are drawn.
     pub tileset: Tileset,
+    /// Which height is drawn; other tilesets than those of heights know only the ground.
+    pub height: Height,
 }
 
 impl TileRequest {
@@ -37,6 +58,19 @@ impl TileRequest {
     /// If the grid has no such tile.
     pub fn window(&self) -> Result<Window, GridError> {
         Ok(self.grid.window(self.tile, self.samples, self.filter)?.with_apron(self.tileset.apron()))
+    }
+
+    /// Tileset, extension, options and version of the encoder, with what of the legend enters the bytes: what they add to a tile's fingerprint.
+    #[must_use]
+    pub fn form(&self, legend: &Legend) -> String {
+        let mut form = self.tileset.form().to_owned();
+        if self.height == Height::Water {
+            form += "\nwater's surface";
+        }
+        if self.tileset.wanted().materials {
+            form += &format!("\nmaterials {:?}", legend.materials);
+        }
+        form
     }
 }
 
@@ -59,7 +93,14 @@ pub enum TileError {
 /// If the grid has no such tile, or encoding fails.
 pub fn render(source: &impl Source, request: &TileRequest) -> Result<Vec<u8>, TileError> {
     let window = request.window()?;
-    let mut surface = Surface::of(&window);
+    let wanted = request.tileset.wanted();
+    let mut surface = Surface::with(&window, Wanted { water: wanted.water || request.height == Height::Water, ..wanted });
     source.sample(&window, &mut surface);
-    Ok(request.tileset.encode(&surface, window.spacing())?)
+    if request.tileset == Tileset::Contours {
+        if request.height == Height::Water {
+            surface.raise_to_water();
+        }
+        return Ok(contours::draw(&surface, contour_interval(request.grid, request.tile.z)));
+    }
+    Ok(request.tileset.encode_height(surface, window.spacing(), &source.legend(), request.height)?)
 }

@@ -1,6 +1,10 @@
 //! Relief: land and sea in the colours of their height, shaded by the light of a morning in the north-west.
 
-use crate::{analysis, geometry::Surface};
+use super::{material_colour, water};
+use crate::{
+    analysis,
+    geometry::{Legend, Surface},
+};
 
 /// Colours of the land, from its foot to its top.
 const LAND: [(f64, [u8; 3]); 7] = [
@@ -15,6 +19,13 @@ const LAND: [(f64, [u8; 3]); 7] = [
 
 /// Metres above the sea where the land's colours end in snow; lower land ends in an earlier colour, and high land begins in a later one.
 const SNOW_HEIGHT: f64 = 2_600.0;
+
+/// Metres below the sea that the sea's colours are spread over at most.
+const MOST_DEPTH: f64 = 2_000.0;
+
+/// How much of a material's own colour the land takes on, and the colour of rivers and lakes.
+const MATERIAL: f32 = 0.4;
+const FRESH_WATER: [f32; 3] = [78.0, 138.0, 180.0];
 
 /// The part of the land's colours that flat land gets at least.
 const LEAST_COLOURS: f64 = 0.45;
@@ -74,6 +85,13 @@ impl Ramp {
         Self { sea_level: sea_level as f32, sea, land }
     }
 
+    /// The colours of tiles, the same for all of a source: over what its range leaves of 2,000 m below and 2,600 m above the sea.
+    #[must_use]
+    pub fn of(legend: &Legend) -> Self {
+        let Legend { sea_level, range: [low, high], .. } = *legend;
+        Self::over(sea_level, [low.max(sea_level - MOST_DEPTH), high.min(sea_level + SNOW_HEIGHT).max(low)])
+    }
+
     /// Elevation and colour of every stop, elevations ascending; between them colours are interpolated.
     pub fn stops(&self) -> impl Iterator<Item = (f64, [u8; 3])> + '_ {
         self.sea.iter().chain(&self.land).copied()
@@ -97,6 +115,28 @@ pub(super) fn draw(surface: &Surface, spacing: f64, ramp: &Ramp) -> Vec<u8> {
         for column in 1..surface.columns - 1 {
             let gradient = analysis::gradient(surface, row, column, spacing);
             let colour = colour(surface.at(row, column), gradient, spacing as f32, ramp);
+            bytes.extend(colour.map(|c| (c + 0.5) as u8));
+        }
+    }
+    bytes
+}
+
+/// As [`draw`], with water where the surface knows of it and in the colours of its materials.
+pub(super) fn draw_with(surface: &Surface, spacing: f64, ramp: &Ramp, legend: &Legend) -> Vec<u8> {
+    let materials: Vec<[f32; 3]> = legend.materials.iter().map(|name| material_colour(name).map(f32::from)).collect();
+    let mut bytes = Vec::with_capacity(surface.elevation.len() * 3);
+    for row in 1..surface.rows - 1 {
+        for column in 1..surface.columns - 1 {
+            let [east, north] = analysis::gradient(surface, row, column, spacing);
+            let (at, elevation, light) = (row * surface.columns + column, surface.at(row, column), light(east, north));
+            let tint = |stops: &[_]| between(stops, f64::from(elevation)).map(|c| c as f32);
+            let own = surface.material.get(at).and_then(|&number| materials.get(usize::from(number).checked_sub(1)?));
+            let ground = tint(&ramp.land);
+            let land = shade(own.map_or(ground, |&own| mix(ground, own, MATERIAL)), light);
+            let share = water::share(surface, [row, column], spacing as f32, ramp.sea_level);
+            let sea = !ramp.sea.is_empty() && elevation < ramp.sea_level;
+            let (water, light) = if sea { (tint(&ramp.sea), light * UNDER_WATER) } else { (FRESH_WATER, 0.0) };
+            let colour = if share > 0.0 { mix(land, shade(water, light), share) } else { land };
             bytes.extend(colour.map(|c| (c + 0.5) as u8));
         }
     }
@@ -146,7 +186,7 @@ mod tests {
 
     fn pixel(elevation: f32, dx: f32, dy: f32, ramp: &Ramp) -> [u8; 3] {
         let elevation = (0..9_u8).map(|i| elevation + dx * (f32::from(i % 3) - 1.0) - dy * (f32::from(i / 3) - 1.0)).collect();
-        draw(&Surface { columns: 3, rows: 3, elevation, non_finite: 0 }, 1.0, ramp).try_into().expect("one pixel")
+        draw(&Surface { columns: 3, rows: 3, elevation, ..Surface::default() }, 1.0, ramp).try_into().expect("one pixel")
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The ways a surface is drawn as a tile.
 
-use super::{hillshade, png, rgb};
-use crate::geometry::Surface;
+use super::{Height, Ramp, contours, hillshade, lines::LAYERS, materials, png, relief, rgb, water};
+use crate::geometry::{Legend, Surface, Wanted};
 
 /// A way to draw a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -14,7 +14,51 @@ pub enum Tileset {
     R32,
     /// Shaded relief as grey PNG, light from the north-west.
     Hillshade,
+    /// The share of each sample that lies under water as grey PNG: 0 dry, 255 all of it.
+    Water,
+    /// Numbers of materials as grey PNG: 0 none, n the one at n - 1 of the legend.
+    Materials,
+    /// Land and sea in the colours of their height, water and materials, shaded, as RGB PNG.
+    Relief,
+    /// Contour lines as a vector tile.
+    Contours,
+    /// Features of layers as a vector tile.
+    Features,
 }
+
+/// A layer of vector tiles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VectorLayer {
+    /// Its name.
+    pub id: &'static str,
+    /// What it shows.
+    pub description: &'static str,
+    /// The properties of its features: name, and kind or meaning.
+    pub fields: &'static [(&'static str, &'static str)],
+}
+
+/// Contours as a vector tile names them.
+const CONTOURS: [VectorLayer; 1] = [VectorLayer {
+    id: "contours",
+    description: "Lines of equal elevation of the ground",
+    fields: &[("elevation", "Number: metres"), ("index", "Boolean: every fifth line")],
+}];
+
+/// What every feature may have, beside its own properties.
+const FIELDS: &[(&str, &str)] = &[
+    ("id", "String: its id"),
+    ("layer", "String: the world's layer it belongs to"),
+    ("attributes", "String: the name of its set of attributes"),
+    ("elevation", "Number: metres, the greatest of its vertices"),
+    ("water", "Boolean: a river, a lake or other water"),
+];
+
+/// Features as a vector tile names them.
+const FEATURES: [VectorLayer; 3] = [
+    VectorLayer { id: LAYERS[0], description: "Features that are points", fields: FIELDS },
+    VectorLayer { id: LAYERS[1], description: "Features that are lines, with their detail", fields: FIELDS },
+    VectorLayer { id: LAYERS[2], description: "Features that are polygons or circles, with their detail", fields: FIELDS },
+];
 
 /// Why a surface could not be encoded.
 #[derive(Debug, thiserror::Error)]
@@ -29,7 +73,17 @@ pub enum EncodeError {
 
 impl Tileset {
     /// Every tileset.
-    pub const ALL: [Tileset; 4] = [Tileset::Terrarium, Tileset::TerrainRgb, Tileset::R32, Tileset::Hillshade];
+    pub const ALL: [Tileset; 9] = [
+        Tileset::Terrarium,
+        Tileset::TerrainRgb,
+        Tileset::R32,
+        Tileset::Hillshade,
+        Tileset::Water,
+        Tileset::Materials,
+        Tileset::Relief,
+        Tileset::Contours,
+        Tileset::Features,
+    ];
 
     /// The name in URLs.
     #[must_use]
@@ -39,6 +93,11 @@ impl Tileset {
             Tileset::TerrainRgb => "terrain-rgb",
             Tileset::R32 => "r32",
             Tileset::Hillshade => "hillshade",
+            Tileset::Water => "water",
+            Tileset::Materials => "materials",
+            Tileset::Relief => "relief",
+            Tileset::Contours => "contours",
+            Tileset::Features => "features",
         }
     }
 
@@ -53,6 +112,7 @@ impl Tileset {
     pub fn extension(self) -> &'static str {
         match self {
             Tileset::R32 => "bin",
+            Tileset::Contours | Tileset::Features => "mvt",
             _ => "png",
         }
     }
@@ -62,6 +122,7 @@ impl Tileset {
     pub fn media_type(self) -> &'static str {
         match self {
             Tileset::R32 => "application/octet-stream",
+            Tileset::Contours | Tileset::Features => "application/vnd.mapbox-vector-tile",
             _ => "image/png",
         }
     }
@@ -73,7 +134,7 @@ impl Tileset {
             Tileset::Terrarium => Some("terrarium"),
             Tileset::TerrainRgb => Some("mapbox"),
             Tileset::R32 => Some("f32"),
-            Tileset::Hillshade => None,
+            Tileset::Hillshade | Tileset::Water | Tileset::Materials | Tileset::Relief | Tileset::Contours | Tileset::Features => None,
         }
     }
 
@@ -85,6 +146,21 @@ impl Tileset {
             Tileset::TerrainRgb => "terrain-rgb.png 1",
             Tileset::R32 => "r32.bin 1",
             Tileset::Hillshade => "hillshade.png 1",
+            Tileset::Water => "water.png 1",
+            Tileset::Materials => "materials.png 1",
+            Tileset::Relief => "relief.png 1",
+            Tileset::Contours => "contours.mvt 1",
+            Tileset::Features => "features.mvt 1",
+        }
+    }
+
+    /// The layers of its vector tiles; none if they are no vector tiles.
+    #[must_use]
+    pub fn layers(self) -> &'static [VectorLayer] {
+        match self {
+            Tileset::Contours => &CONTOURS,
+            Tileset::Features => &FEATURES,
+            _ => &[],
         }
     }
 
@@ -92,21 +168,52 @@ impl Tileset {
     #[must_use]
     pub fn apron(self) -> usize {
         match self {
-            Tileset::Hillshade => 1,
+            Tileset::Hillshade | Tileset::Water | Tileset::Relief => 1,
+            Tileset::Contours | Tileset::Features => contours::APRON,
             _ => 0,
         }
     }
 
-    /// Encodes a surface that has this tileset's apron around it; `spacing` in metres.
+    /// What it needs of a surface beside elevations.
+    #[must_use]
+    pub fn wanted(self) -> Wanted {
+        Wanted { water: matches!(self, Tileset::Water | Tileset::Relief), materials: matches!(self, Tileset::Materials | Tileset::Relief) }
+    }
+
+    /// Whether it draws heights, of the ground or of the water's surface.
+    #[must_use]
+    pub fn has_height(self) -> bool {
+        matches!(self, Tileset::Terrarium | Tileset::TerrainRgb | Tileset::R32 | Tileset::Hillshade)
+    }
+
+    /// Encodes a surface that has this tileset's apron around it and what it [wants](Tileset::wanted); `spacing` in metres.
     ///
     /// # Errors
     /// If the image encoder fails, as it does for a surface without samples.
-    pub fn encode(self, surface: &Surface, spacing: f64) -> Result<Vec<u8>, EncodeError> {
+    pub fn encode(self, surface: &Surface, spacing: f64, legend: &Legend) -> Result<Vec<u8>, EncodeError> {
+        let inner = [surface.columns.saturating_sub(2), surface.rows.saturating_sub(2)];
         match self {
             Tileset::Terrarium => png::rgb(surface, rgb::terrarium),
             Tileset::TerrainRgb => png::rgb(surface, rgb::terrain_rgb),
             Tileset::R32 => Ok(surface.elevation.iter().flat_map(|elevation| elevation.to_le_bytes()).collect()),
-            Tileset::Hillshade => png::grey(surface.columns - 2, surface.rows - 2, &hillshade::shade(surface, spacing)),
+            Tileset::Hillshade => png::grey(inner[0], inner[1], &hillshade::shade(surface, spacing)),
+            Tileset::Water => png::grey(inner[0], inner[1], &water::greys(surface, spacing, legend.sea_level as f32)),
+            Tileset::Materials => png::grey(surface.columns, surface.rows, &materials::numbers(surface)),
+            Tileset::Relief => png::colours(inner[0], inner[1], &relief::draw_with(surface, spacing, &Ramp::of(legend), legend)),
+            Tileset::Contours => Ok(contours::draw(surface, contours::interval(spacing))),
+            // A surface has no features.
+            Tileset::Features => Ok(Vec::new()),
         }
+    }
+
+    /// Encodes a surface whose depth of water is known as if the water's surface were the ground, if that is the height asked for.
+    ///
+    /// # Errors
+    /// As [`Tileset::encode`].
+    pub fn encode_height(self, mut surface: Surface, spacing: f64, legend: &Legend, height: Height) -> Result<Vec<u8>, EncodeError> {
+        if height == Height::Water {
+            surface.raise_to_water();
+        }
+        self.encode(&surface, spacing, legend)
     }
 }

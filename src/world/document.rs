@@ -2,11 +2,13 @@
 
 use super::{
     base::{Base, ElevationRange, WrittenBase, WrittenRange, vertical},
+    layer::{FeatureSets, Layer, Setting, WrittenLayer, generated, layers},
     number::{optional_whole_number, whole, whole_number},
     problem::{Checks, DocumentError, check_cost, read},
     revision::Revision,
 };
-use serde::{Deserialize, Serialize, de::IgnoredAny};
+use crate::layout::geojson::Collection;
+use serde::{Deserialize, Serialize};
 
 /// The newest generator version: the code that turns documents into elevations.
 pub const GENERATOR: u32 = 1;
@@ -47,8 +49,8 @@ pub struct Document {
     pub sea_level: f64,
     /// The terrain beneath all layers.
     pub base: Base,
-    /// What lies above the base; no layer source is built yet.
-    pub layers: [(); 0],
+    /// What lies above the base.
+    pub layers: Vec<Layer>,
 }
 
 impl Document {
@@ -57,7 +59,15 @@ impl Document {
     /// # Errors
     /// If the bytes are not JSON, or with every problem of the document that could be found.
     pub fn parse(json: &[u8]) -> Result<Self, DocumentError> {
-        let document = Self::parse_stored(json)?;
+        Self::parse_with(json, &FeatureSets::default())
+    }
+
+    /// As [`Document::parse`], with the stored sets of features that the document may name.
+    ///
+    /// # Errors
+    /// As [`Document::parse`].
+    pub fn parse_with(json: &[u8], sets: &FeatureSets) -> Result<Self, DocumentError> {
+        let document = Self::parse_stored(json, sets)?;
         check_cost(&document.base.programme, "/base/programme")?;
         Ok(document)
     }
@@ -66,8 +76,16 @@ impl Document {
     ///
     /// # Errors
     /// As [`Document::parse`].
-    pub fn parse_stored(json: &[u8]) -> Result<Self, DocumentError> {
-        read::<Written>(json)?.complete()
+    pub fn parse_stored(json: &[u8], sets: &FeatureSets) -> Result<Self, DocumentError> {
+        read::<Written>(json)?.complete(sets)
+    }
+
+    /// The features that generators make in this world, `{"generate": …}` or a list of such items, as they would be drawn.
+    ///
+    /// # Errors
+    /// If the bytes are not JSON, or with every problem that could be found.
+    pub fn generate(&self, json: &[u8]) -> Result<Collection, DocumentError> {
+        generated(json, &Setting { seed: self.seed, sea_level: self.sea_level, sets: &FeatureSets::default() })
     }
 
     /// The document as indented JSON.
@@ -104,11 +122,12 @@ struct Written<'a> {
     sea_level: Option<f64>,
     #[serde(borrow)]
     base: WrittenBase<'a>,
-    layers: Option<Vec<IgnoredAny>>,
+    #[serde(borrow)]
+    layers: Option<Vec<WrittenLayer<'a>>>,
 }
 
 impl Written<'_> {
-    fn complete(self) -> Result<Document, DocumentError> {
+    fn complete(self, sets: &FeatureSets) -> Result<Document, DocumentError> {
         let mut checks = Checks(Vec::new());
         checks.seed(self.seed);
         let generator = self.generator.unwrap_or(GENERATOR.into());
@@ -121,13 +140,13 @@ impl Written<'_> {
         {
             checks.length(pointer, text.as_deref().unwrap_or_default(), most);
         }
-        if self.layers.is_some_and(|layers| !layers.is_empty()) {
-            checks.add("/layers/0", "no layer source is built into this version: leave layers empty");
-        }
         let base = self.base.complete("/base", &mut checks);
+        // Layers may take long to make, so what else is wrong is said first.
+        let setting = Setting { seed: self.seed, sea_level, sets };
+        let layers = if checks.0.is_empty() { layers(self.layers.unwrap_or_default(), &setting, &mut checks) } else { Vec::new() };
         let Some(base) = base.filter(|_| checks.0.is_empty()) else { return Err(DocumentError::Invalid(checks.0)) };
         let (title, description, attribution) = (self.title, self.description, self.attribution);
-        Ok(Document { title, description, attribution, seed: self.seed, generator: GENERATOR, elevation, sea_level, base, layers: [] })
+        Ok(Document { title, description, attribution, seed: self.seed, generator: GENERATOR, elevation, sea_level, base, layers })
     }
 }
 
@@ -190,7 +209,7 @@ mod tests {
             r#"{"seed":7,"base":{"programme":null,"scale":10}}"#,
             "/base/programme: invalid type: null, expected a number, the name of a terminal, or {\"op\": …, \"args\": […]}",
         );
-        check(&format!(r#"{{"seed":7,"layers":[{{"name":"a"}}],{BASE}}}"#), "/layers/0: no layer source is built into this version: leave layers empty");
+        check(&format!(r#"{{"seed":7,"layers":[{{"name":"a"}}],{BASE}}}"#), "/layers/0/source: missing field `source`");
         check(&format!(r#"{{"seed":7,"seed":8,{BASE}}}"#), "/: duplicate field `seed`");
         check(
             r#"{"seed":7,"generator":2,"elevation":{"min":10,"max":5},"sea_level":1e9,"base":{"programme":"x(","scale":0}}"#,

@@ -1,8 +1,12 @@
 //! A world ready to be evaluated.
 
-use super::{Document, Revision, fingerprint::Prefix};
+use super::{
+    Document, Revision,
+    fingerprint::Prefix,
+    layer::{Below, materials},
+};
 use crate::{
-    geometry::{Filter, Source, Surface, Window},
+    geometry::{Filter, Legend, Source, Surface, SurfaceRows, Wanted, Window},
     programme::{Frame, Tape},
 };
 use rayon::prelude::*;
@@ -26,6 +30,10 @@ pub struct World {
     revision: Revision,
     tape: Tape,
     frame: Frame,
+    /// What the layers' ground can be made of, in lexical order.
+    materials: Vec<Box<str>>,
+    /// The layers by their places in the document, in the order of evaluation, each with the numbers of its materials among all.
+    order: Vec<(usize, Vec<u16>)>,
     pub(super) prefix: Prefix,
 }
 
@@ -36,7 +44,12 @@ impl World {
         let base = &document.base;
         let tape = Tape::compile(base.programme.root());
         let frame = Frame { seed: document.seed, scale: base.scale, origin: base.origin };
-        Self { revision: document.revision(), tape, frame, prefix: Prefix::new(&document), document }
+        let materials = materials(&document.layers);
+        let mut order: Vec<usize> = (0..document.layers.len()).collect();
+        order.sort_by_key(|&i| document.layers[i].priority);
+        let numbered = |i: usize| (i, document.layers[i].numbers(&materials));
+        let order = order.into_iter().map(numbered).collect();
+        Self { revision: document.revision(), tape, frame, order, materials, prefix: Prefix::new(&document), document }
     }
 
     /// The document.
@@ -51,51 +64,103 @@ impl World {
         &self.revision
     }
 
+    /// What the ground can be made of: the material of number n in a [`Surface`] is the one at n - 1.
+    #[must_use]
+    pub fn materials(&self) -> &[Box<str>] {
+        &self.materials
+    }
+
+    /// The document's layers in the order in which they are laid.
+    pub(super) fn layers(&self) -> impl Iterator<Item = &super::Layer> {
+        self.order.iter().map(|(i, _)| &self.document.layers[*i])
+    }
+
     /// The predicted time to evaluate a window on one thread, in nanoseconds.
     #[must_use]
     pub fn cost_ns(&self, window: &Window) -> f64 {
-        self.area_cost_ns(window.spacing(), window.filter, window.samples())
+        let base = self.area_cost_ns(window.spacing(), window.filter, window.samples());
+        base + self.layers().map(|layer| layer.cost_ns(window)).sum::<f64>()
     }
 
-    /// The predicted time to evaluate `count` samples of a square, `spacing` metres apart, on one thread, in nanoseconds.
+    /// The predicted time to evaluate the base at `count` samples of a square, `spacing` metres apart, on one thread, in nanoseconds.
     #[must_use]
     pub fn area_cost_ns(&self, spacing: f64, filter: Filter, count: usize) -> f64 {
         self.tape.cost_ns(spacing / self.frame.scale, filter, count) * count as f64
     }
 
-    /// The terrain over a window, on the calling thread.
+    /// The elevations over a window, on the calling thread.
     #[must_use]
     pub fn evaluate(&self, window: &Window) -> Surface {
-        let mut surface = Surface::of(window);
+        self.evaluate_with(window, Wanted::default())
+    }
+
+    /// The terrain over a window with what is wanted of it, on the calling thread.
+    #[must_use]
+    pub fn evaluate_with(&self, window: &Window, wanted: Wanted) -> Surface {
+        let mut surface = Surface::with(window, wanted);
         self.sample(window, &mut surface);
         surface
     }
 
-    /// The terrain over a large window, on all threads of the present rayon pool; the same bytes as [`World::evaluate`].
+    /// The elevations over a large window, on all threads of the present rayon pool; the same bytes as [`World::evaluate`].
     #[must_use]
     pub fn evaluate_parallel(&self, window: &Window) -> Surface {
-        let mut surface = Surface::of(window);
+        self.evaluate_parallel_with(window, Wanted::default())
+    }
+
+    /// The terrain over a large window with what is wanted of it, on all threads of the present rayon pool; the same bytes as [`World::evaluate_with`].
+    #[must_use]
+    pub fn evaluate_parallel_with(&self, window: &Window, wanted: Wanted) -> Surface {
+        let mut surface = Surface::with(window, wanted);
         let columns = surface.columns.max(1);
-        let bands = surface.elevation.par_chunks_mut(columns * BAND_ROWS).enumerate();
-        surface.non_finite = bands.map(|(i, out)| self.fill(&window.band(i * BAND_ROWS, out.len() / columns), out)).sum();
+        let bands = surface.bands_mut(BAND_ROWS);
+        let fill = |(i, rows): (usize, SurfaceRows)| self.fill(&window.band(i * BAND_ROWS, rows.elevation.len() / columns), rows);
+        surface.non_finite = bands.into_par_iter().enumerate().map(fill).sum();
         surface
     }
 
-    /// Writes elevations; answers how many node results were not finite.
-    fn fill(&self, window: &Window, out: &mut [f32]) -> u64 {
-        let non_finite = self.tape.evaluate(&self.frame, window, out);
+    /// Fills rows; answers how many node results were not finite.
+    fn fill(&self, window: &Window, mut rows: SurfaceRows) -> u64 {
+        let non_finite = self.tape.evaluate(&self.frame, window, rows.elevation);
         let (datum, amplitude) = (self.document.base.datum as f32, self.document.base.amplitude as f32);
-        let (min, max) = (self.document.elevation.min as f32, self.document.elevation.max as f32);
-        for value in out {
-            *value = (datum + amplitude * *value).clamp(min, max);
+        for value in &mut *rows.elevation {
+            *value = datum + amplitude * *value;
         }
+        let mut dry = vec![0.0; rows.water_cover.len()];
+        for (i, materials) in &self.order {
+            rows = self.document.layers[*i].lay(window, Below { rows, dry: &mut dry, materials });
+        }
+        let (min, max) = (self.document.elevation.min as f32, self.document.elevation.max as f32);
+        for value in &mut *rows.elevation {
+            *value = value.clamp(min, max);
+        }
+        self.flood(&mut rows, &dry);
         non_finite
+    }
+
+    /// Adds the sea to the water of layers.
+    fn flood(&self, rows: &mut SurfaceRows, dry: &[f32]) {
+        let sea_level = self.document.sea_level as f32;
+        for (i, (depth, cover)) in rows.water_depth.iter_mut().zip(&mut *rows.water_cover).enumerate() {
+            let sea = sea_level - rows.elevation[i];
+            if sea > 0.0 {
+                *depth = depth.max(sea);
+                *cover = cover.max(1.0 - dry[i]);
+            }
+        }
     }
 }
 
 impl Source for World {
+    fn legend(&self) -> Legend {
+        let Document { sea_level, elevation, .. } = &self.document;
+        Legend { sea_level: *sea_level, range: [elevation.min, elevation.max], materials: self.materials.clone() }
+    }
+
     fn sample(&self, window: &Window, surface: &mut Surface) {
-        surface.non_finite += self.fill(window, &mut surface.elevation);
+        let bands = surface.bands_mut(window.rows.len());
+        let non_finite: u64 = bands.into_iter().map(|rows| self.fill(window, rows)).sum();
+        surface.non_finite += non_finite;
     }
 }
 

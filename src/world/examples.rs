@@ -10,13 +10,16 @@ pub struct Example {
 }
 
 /// Every example world.
-pub const EXAMPLES: [Example; 6] = [
+pub const EXAMPLES: [Example; 9] = [
     Example { name: "alps", json: include_str!("../../data/worlds/alps.json") },
     Example { name: "archipelago", json: include_str!("../../data/worlds/archipelago.json") },
+    Example { name: "archipelago-endless", json: include_str!("../../data/worlds/archipelago-endless.json") },
     Example { name: "dunes", json: include_str!("../../data/worlds/dunes.json") },
     Example { name: "eq2", json: include_str!("../../data/worlds/eq2.json") },
     Example { name: "hills", json: include_str!("../../data/worlds/hills.json") },
     Example { name: "mesas", json: include_str!("../../data/worlds/mesas.json") },
+    Example { name: "ridges-and-rivers", json: include_str!("../../data/worlds/ridges-and-rivers.json") },
+    Example { name: "ridges-rivers-and-lakes", json: include_str!("../../data/worlds/ridges-rivers-and-lakes.json") },
 ];
 
 /// Every programme that ships with the library.

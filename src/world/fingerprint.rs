@@ -1,7 +1,7 @@
 //! What can influence a tile's bytes, hashed before the tile is evaluated.
 
 use super::{Document, World};
-use crate::geometry::{Filter, Grid, Samples, Tile};
+use crate::geometry::{Filter, Grid, Rectangle, Samples, Tile};
 use sha2::{Digest, Sha256};
 use std::fmt;
 
@@ -36,26 +36,30 @@ impl Prefix {
 }
 
 impl World {
-    /// The fingerprint of a tile; `form` names tileset, extension, options and encoder version.
+    /// The fingerprint of a tile that is made from samples in an area, those of neighbours that it needs among them; `form` names tileset, extension, options and
+    /// encoder version. Of layers only what can reach the area is taken in.
     #[must_use]
-    pub fn fingerprint(&self, form: &str, grid: Grid, tile: Tile, samples: Samples, filter: Filter) -> Fingerprint {
+    pub fn fingerprint(&self, form: &str, area: &Rectangle, grid: Grid, tile: Tile, samples: Samples, filter: Filter) -> Fingerprint {
         let (registration, side) = match samples {
             Samples::Centres(n) => ("centres", n),
             Samples::Vertices(n) => ("vertices", n),
         };
-        self.identify(&format!("{form}\n{registration} {side}\n{}\n{} {} {} {}", filter.name(), grid.name(), tile.z, tile.x, tile.y))
+        self.identify(&format!("{form}\n{registration} {side}\n{}\n{} {} {} {}", filter.name(), grid.name(), tile.z, tile.x, tile.y), area)
     }
 
     /// The fingerprint of the view that [`Survey`](super::Survey) finds, `pixels` a side; `form` names what is drawn and the encoder's version.
     #[must_use]
     pub fn view_fingerprint(&self, form: &str, pixels: usize) -> Fingerprint {
-        self.identify(&format!("{form}\nview {pixels}"))
+        self.identify(&format!("{form}\nview {pixels}"), &Rectangle::EVERYTHING)
     }
 
-    /// The identity of something drawn from this world that `what` describes in full.
-    fn identify(&self, what: &str) -> Fingerprint {
+    /// The identity of something drawn from an area of this world that `what` describes in full.
+    fn identify(&self, what: &str, area: &Rectangle) -> Fingerprint {
         let mut hash = self.prefix.0.clone();
         hash.update(what);
+        for layer in self.layers().filter_map(|layer| layer.content_in(area)) {
+            hash.update(format!("\n{layer}"));
+        }
         let digest = hash.finalize();
         Fingerprint(core::array::from_fn(|i| digest[i]))
     }
@@ -67,7 +71,7 @@ mod tests {
 
     fn fingerprint(json: &str, form: &str, x: i64, samples: Samples, filter: Filter) -> Fingerprint {
         let world = World::new(Document::parse(json.as_bytes()).expect("valid"));
-        world.fingerprint(form, Grid::Web, Tile { z: 9, x, y: 0 }, samples, filter)
+        world.fingerprint(form, &Rectangle::EVERYTHING, Grid::Web, Tile { z: 9, x, y: 0 }, samples, filter)
     }
 
     #[test]

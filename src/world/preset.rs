@@ -110,7 +110,7 @@ impl Preset {
     pub fn document(&self) -> Document {
         let Self { title, description, programme, scale, amplitude, datum, sea_level, seed, elevation, .. } = self.clone();
         let base = Base { programme, scale, origin: [0.0, 0.0], amplitude, datum };
-        Document { title, description, attribution: None, seed, generator: GENERATOR, elevation, sea_level, base, layers: [] }
+        Document { title, description, attribution: None, seed, generator: GENERATOR, elevation, sea_level, base, layers: Vec::new() }
     }
 }
 

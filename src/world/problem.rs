@@ -1,8 +1,11 @@
 //! What can be wrong with a document, and how it is told.
 
 use super::number::MAX_SEED;
-use crate::programme::{ParseError, Programme};
-use serde::{Deserialize, Serialize};
+use crate::{
+    layout::geojson::{self, ReadError},
+    programme::{ParseError, Programme},
+};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::fmt;
 
 /// Something wrong with a document.
@@ -35,6 +38,12 @@ impl Problem {
         }
         let (start, end) = error.span.map_or((None, None), |span| (Some(span.start), Some(span.end)));
         Self { pointer: pointer.to_owned(), detail: error.message, at: Some(error.at), start, end }
+    }
+}
+
+impl From<geojson::Problem> for Problem {
+    fn from(problem: geojson::Problem) -> Self {
+        Self::new(problem.pointer, problem.detail)
     }
 }
 
@@ -76,6 +85,12 @@ impl Checks {
         }
     }
 
+    /// Problems of GeoJSON that stands at a pointer.
+    pub(super) fn geojson(&mut self, at: &str, error: ReadError) {
+        let problems: Vec<geojson::Problem> = error.into();
+        self.0.extend(problems.into_iter().map(|problem| Problem::new(format!("{at}{}", problem.pointer), problem.detail)));
+    }
+
     pub(super) fn seed(&mut self, seed: u64) {
         if seed > MAX_SEED {
             self.add("/seed", format!("must be 0 … 2^53 - 1 = {MAX_SEED}, got {seed}"));
@@ -96,6 +111,35 @@ pub(super) fn read<'a, T: Deserialize<'a>>(json: &'a [u8]) -> Result<T, Document
     let written = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| structural_error(&error))?;
     deserializer.end().map_err(|error| DocumentError::Syntax(error.to_string()))?;
     Ok(written)
+}
+
+/// Reads a part of a document that stands at a pointer; what is wrong is added to the checks.
+pub(super) fn read_value<T: DeserializeOwned>(value: serde_json::Value, at: &str, checks: &mut Checks) -> Option<T> {
+    let error = match serde_path_to_error::deserialize(value) {
+        Ok(read) => return Some(read),
+        Err(error) => structural_error(&error),
+    };
+    match error {
+        DocumentError::Invalid(problems) => {
+            checks.0.extend(problems.into_iter().map(|problem| Problem { pointer: format!("{at}{}", problem.pointer), ..problem }));
+        }
+        DocumentError::Syntax(detail) => checks.add(at, detail),
+    }
+    None
+}
+
+/// The same JSON with every number that has no fraction written without a point.
+pub(super) fn whole_numbers(value: serde_json::Value) -> serde_json::Value {
+    use serde_json::Value;
+    match value {
+        Value::Number(number) => match number.as_f64().filter(|f| number.is_f64() && f.fract() == 0.0 && f.abs() < 9_007_199_254_740_992.0) {
+            Some(whole) => (whole as i64).into(),
+            None => number.into(),
+        },
+        Value::Array(items) => items.into_iter().map(whole_numbers).collect(),
+        Value::Object(fields) => Value::Object(fields.into_iter().map(|(name, value)| (name, whole_numbers(value))).collect()),
+        other => other,
+    }
 }
 
 /// Refuses a new document whose programme, at `pointer`, costs too much to evaluate.

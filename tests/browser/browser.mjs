@@ -34,7 +34,7 @@ export async function startBrowser(url, more = []) {
     page.on('requestfailed', (request) => {
       const reason = request.failure()?.errorText;
       // MapLibre cancels tiles that have left the view, a closed gallery its pictures; nothing else may be cancelled.
-      const cancelled = reason === 'net::ERR_ABORTED' && /\/web\/terrarium\/|\/preview\.png/.test(request.url());
+      const cancelled = reason === 'net::ERR_ABORTED' && /\/web\/(terrarium|contours|features)\/|\/preview\.png/.test(request.url());
       if (!cancelled) note(`failed: ${request.url()} ${reason}`);
     });
     page.on('response', (response) => {

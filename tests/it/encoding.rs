@@ -2,7 +2,7 @@
 
 use terrane::{
     geometry::{Filter, Grid, Samples, Tile, Window},
-    tile::{TileRequest, Tileset, render, write_geotiff},
+    tile::{Height, TileRequest, Tileset, render, write_geotiff},
     world::{Document, EXAMPLES, World},
 };
 use zune_png::{
@@ -16,7 +16,7 @@ fn world(name: &str) -> World {
 }
 
 fn request(tileset: Tileset, samples: Samples) -> TileRequest {
-    TileRequest { grid: Grid::Web, tile: Tile { z: 9, x: 257, y: 254 }, samples, filter: Filter::Band, tileset }
+    TileRequest { grid: Grid::Web, tile: Tile { z: 9, x: 257, y: 254 }, samples, filter: Filter::Band, tileset, height: Height::Ground }
 }
 
 fn elevations(world: &World, samples: Samples) -> Vec<f32> {
@@ -64,8 +64,14 @@ fn rgb_tiles_decode_to_the_sampled_elevation_within_half_a_step() {
 fn the_ends_of_the_vertical_range_are_kept() {
     let json = r#"{"seed":1,"elevation":{"min":-10000,"max":32767},"base":{"programme":"x","scale":1,"amplitude":1}}"#;
     let world = World::new(Document::parse(json.as_bytes()).unwrap());
-    let request =
-        TileRequest { grid: Grid::Metric, tile: Tile { z: 8, x: -1, y: 0 }, samples: Samples::Vertices(33), filter: Filter::Band, tileset: Tileset::Terrarium };
+    let request = TileRequest {
+        grid: Grid::Metric,
+        tile: Tile { z: 8, x: -1, y: 0 },
+        samples: Samples::Vertices(33),
+        filter: Filter::Band,
+        tileset: Tileset::Terrarium,
+        height: Height::Ground,
+    };
     for (x, tileset, first, last) in [
         (-1, Tileset::Terrarium, [88, 240, 0], [128, 0, 0]),
         (0, Tileset::Terrarium, [128, 0, 0], [255, 255, 0]),

@@ -6,7 +6,7 @@ use sha2::{Digest, Sha256};
 use std::{fmt::Write, path::Path};
 use terrane::{
     geometry::{Filter, Grid, Samples, Tile},
-    tile::{PREVIEW_FORM, TileRequest, Tileset, preview, render},
+    tile::{Height, PREVIEW_FORM, TileRequest, Tileset, preview, render},
     world::{Document, EXAMPLES, PRESETS, Preset, Survey, World},
 };
 
@@ -29,7 +29,7 @@ fn lines() -> String {
         for (grid, tile, samples, filter) in places {
             // Tiles at the end of the plane: as far as the zoom level goes.
             let tile = if grid == Grid::Metric && tile.z == 24 { Tile { x: 500_000_000_000, y: -500_000_000_000, ..tile } } else { tile };
-            let bytes = render(&world, &TileRequest { grid, tile, samples, filter, tileset: Tileset::R32 }).unwrap();
+            let bytes = render(&world, &TileRequest { grid, tile, samples, filter, tileset: Tileset::R32, height: Height::Ground }).unwrap();
             let elevations: Vec<f32> = bytes.chunks_exact(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect();
             let (min, max) = elevations.iter().fold((f32::MAX, f32::MIN), |(min, max), &e| (min.min(e), max.max(e)));
             writeln!(lines, "{} {} {}/{}/{} {samples:?} {}: {} {min} {max}", example.name, grid.name(), tile.z, tile.x, tile.y, filter.name(), digest(&bytes))
@@ -37,7 +37,7 @@ fn lines() -> String {
         }
         for tileset in [Tileset::Terrarium, Tileset::TerrainRgb, Tileset::Hillshade] {
             let (grid, tile, samples, filter) = places[0];
-            let bytes = render(&world, &TileRequest { grid, tile, samples, filter, tileset }).unwrap();
+            let bytes = render(&world, &TileRequest { grid, tile, samples, filter, tileset, height: Height::Ground }).unwrap();
             writeln!(lines, "{} {}: {}", example.name, tileset.form(), digest(&bytes)).unwrap();
         }
     }
@@ -84,8 +84,14 @@ fn previews_are_those_of_the_golden_digests() {
 fn the_alps_look_as_they_did() {
     let example = EXAMPLES.iter().find(|example| example.name == "alps").unwrap();
     let world = World::new(Document::parse(example.json.as_bytes()).unwrap());
-    let request =
-        TileRequest { grid: Grid::Web, tile: Tile { z: 8, x: 128, y: 127 }, samples: Samples::Centres(32), filter: Filter::Band, tileset: Tileset::R32 };
+    let request = TileRequest {
+        grid: Grid::Web,
+        tile: Tile { z: 8, x: 128, y: 127 },
+        samples: Samples::Centres(32),
+        filter: Filter::Band,
+        tileset: Tileset::R32,
+        height: Height::Ground,
+    };
     let bytes = render(&world, &request).unwrap();
     let elevations: Vec<f32> = bytes.chunks_exact(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect();
     let shades = [' ', '.', ':', '-', '=', '+', '*', '%', '#', '@'];

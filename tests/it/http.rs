@@ -11,10 +11,10 @@ async fn a_new_server_has_the_example_worlds_with_their_tilesets() {
     let catalog = client.get("/catalog").await.json();
     let worlds = catalog["worlds"].as_array().unwrap();
     let names: Vec<_> = worlds.iter().map(|world| world["name"].as_str().unwrap()).collect();
-    assert_eq!(names, ["alps", "archipelago", "dunes", "eq2", "hills", "mesas"]);
+    assert_eq!(names, ["alps", "archipelago", "archipelago-endless", "dunes", "eq2", "hills", "mesas", "ridges-and-rivers", "ridges-rivers-and-lakes"]);
     assert_eq!(worlds[0]["title"], "Alps");
     assert_eq!(worlds[0]["tilesets"][0], json!({"grid": "web", "tileset": "terrarium", "tilejson": "http://localhost:8080/worlds/alps/web/terrarium"}));
-    assert_eq!(worlds[0]["tilesets"].as_array().unwrap().len(), 8);
+    assert_eq!(worlds[0]["tilesets"].as_array().unwrap().len(), 14);
     let list = client.get("/worlds").await.json();
     assert_eq!(list["worlds"][5]["revision"], worlds[5]["revision"]);
     assert!(list["worlds"][5].get("tilesets").is_none());
@@ -23,7 +23,7 @@ async fn a_new_server_has_the_example_worlds_with_their_tilesets() {
 #[tokio::test]
 async fn tilejson_leads_to_tiles_that_never_change() {
     let client = Client::new().await;
-    for tileset in ["terrarium", "terrain-rgb", "r32", "hillshade"] {
+    for tileset in ["terrarium", "terrain-rgb", "r32", "hillshade", "water", "materials", "relief"] {
         for grid in ["web", "metric"] {
             let tilejson = client.get(&format!("/worlds/hills/{grid}/{tileset}")).await.json();
             assert_eq!((&tilejson["tilejson"], &tilejson["tileSize"], &tilejson["maxzoom"]), (&json!("3.0.0"), &json!(512), &json!(24)));
@@ -57,7 +57,9 @@ async fn tiles_answer_304_from_their_fingerprint_without_evaluation() {
     let world = World::new(Document::parse(&document.body).unwrap());
     let request = terrane::geometry::Tile { z: 9, x: 3, y: 3 };
     let (samples, filter) = (terrane::geometry::Samples::Centres(256), terrane::geometry::Filter::Band);
-    let fingerprint = world.fingerprint(terrane::tile::Tileset::Terrarium.form(), terrane::geometry::Grid::Web, request, samples, filter);
+    let grid = terrane::geometry::Grid::Web;
+    let area = grid.window(request, samples, filter).unwrap().bounds();
+    let fingerprint = world.fingerprint(terrane::tile::Tileset::Terrarium.form(), &area, grid, request, samples, filter);
     let unseen = client.send(Method::GET, "/worlds/alps/web/terrarium/9/3/3.png", &[("if-none-match", &format!("\"{fingerprint}\""))], "").await;
     assert_eq!((unseen.status, client.app.evaluations()), (StatusCode::NOT_MODIFIED, 1));
     assert_eq!(client.get(path).await.body, tile.body);
@@ -125,7 +127,10 @@ async fn wrong_requests_are_told_what_would_be_right() {
             "404 world: the world \"alps\" has no revision \"0123\"; a revision is 32 hex digits, listed at worlds/alps/revisions",
         ),
         ("/worlds/alps/mercator/terrarium/1/0/0.png", "404 grid: no grid is named \"mercator\"; there are web, metric"),
-        ("/worlds/alps/web/terrain/1/0/0.png", "404 tileset: no tileset is named \"terrain\"; there are terrarium, terrain-rgb, r32, hillshade"),
+        (
+            "/worlds/alps/web/terrain/1/0/0.png",
+            "404 tileset: no tileset is named \"terrain\"; there are terrarium, terrain-rgb, r32, hillshade, water, materials, relief",
+        ),
         ("/worlds/alps/web/terrarium/31/0/0.png", "404 z: zoom must be 0 … 30, got 31"),
         ("/worlds/alps/web/terrarium/-1/0/0.png", "404 z: zoom must be 0 … 30, got -1"),
         ("/worlds/alps/web/terrarium/a/0/0.png", "400 z: must be a whole number, got \"a\""),
@@ -146,7 +151,7 @@ async fn wrong_requests_are_told_what_would_be_right() {
         ("/worlds/alps/web/r32/1/0/0@1026.bin", "404 y: after @ comes 2x (512 pixels) or a number of vertices a side, 2 … 1025; got \"1026\""),
         ("/worlds/alps/web/r32/1/0/0@1.bin", "404 y: after @ comes 2x (512 pixels) or a number of vertices a side, 2 … 1025; got \"1\""),
         ("/worlds/alps/web/r32/1/0/0.bin?filter=none", "400 filter: must be band or exact, got \"none\""),
-        ("/worlds/alps/web/r32/1/0/0.bin?fliter=exact", "400 fliter: unknown field `fliter`, expected `filter`"),
+        ("/worlds/alps/web/r32/1/0/0.bin?fliter=exact", "400 fliter: unknown field `fliter`, expected `filter` or `surface`"),
         ("/worlds/alps/elevation", "400 x: a point is given by x and y (metres) or by lon and lat (degrees)"),
         ("/worlds/alps/elevation?lon=1.2", "400 lat: a point is given by x and y (metres) or by lon and lat (degrees)"),
         ("/worlds/alps/elevation?x=1&lat=2", "400 x: a point is given by x and y (metres) or by lon and lat (degrees)"),

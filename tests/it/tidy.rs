@@ -107,11 +107,11 @@ fn only_the_server_knows_http_and_only_instruction_sets_are_unsafe() {
             assert!(server || !code.contains(&format!("{library}::")), "{name} uses {library}");
         }
         assert!(["noise/isa.rs", "noise/x86.rs"].contains(&name.as_str()) || !code.contains("unsafe "), "{name} is unsafe");
-        for word in ["mul_add", "todo!(", "unimplemented!(", "dbg!(", ".unwrap()", "SystemTime", "Instant::now"] {
-            assert!(!code.contains(word), "{name} holds {word}");
-        }
         // Tests may use what they like to say what is right.
         let tests = name.ends_with("/tests.rs") || name.contains("/tests/");
+        for word in ["mul_add", "todo!(", "unimplemented!(", "dbg!(", ".unwrap()", "SystemTime", "Instant::now"] {
+            assert!((tests && word == ".unwrap()") || !code.contains(word), "{name} holds {word}");
+        }
         let kernels =
             !tests && ["noise/", "programme/", "layout/", "geometry/", "world/", "analysis/", "tile/", "query/"].iter().any(|room| name.starts_with(room));
         for word in [

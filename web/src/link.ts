@@ -8,11 +8,16 @@ export interface Camera {
   pitch: number;
 }
 
+/** What can be laid over the terrain: the names of the sources in the server's style. */
+export const OVERLAYS = ['contours', 'features'] as const;
+export type Overlay = (typeof OVERLAYS)[number];
+
 export interface Link {
   world?: string | undefined;
   camera?: Camera | undefined;
   tilted: boolean;
   exaggeration: number;
+  overlays?: Overlay[] | undefined;
 }
 
 export const EXAGGERATION = { min: 0.5, max: 5, default: 1.5 };
@@ -32,6 +37,8 @@ export function parseLink(hash: string): Link {
     tilted: part.get('view') === '3d',
     exaggeration: clamp(number(part.get('height')) ?? EXAGGERATION.default, EXAGGERATION.min, EXAGGERATION.max),
   };
+  const shown = part.get('show')?.split(',') ?? [];
+  link.overlays = OVERLAYS.filter((overlay) => shown.includes(overlay));
   const world = part.get('world');
   if (world && /^[a-z0-9][a-z0-9-]{0,62}$/.test(world)) link.world = world;
   const [lon, lat] = (part.get('at') ?? '').split(',').map(number);
@@ -66,5 +73,6 @@ export function formatLink(link: Link): string {
     part.push('view=3d');
     if (link.exaggeration !== EXAGGERATION.default) part.push(`height=${round(link.exaggeration, 2)}`);
   }
+  if (link.overlays?.length) part.push(`show=${link.overlays.join(',')}`);
   return `#${part.join('&')}`;
 }

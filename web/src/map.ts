@@ -7,7 +7,7 @@ import {
   type StyleSpecification,
 } from 'maplibre-gl';
 import workerUrl from 'maplibre-gl/dist/maplibre-gl-worker.mjs?url';
-import type { Camera } from './link.ts';
+import { OVERLAYS, type Camera, type Overlay } from './link.ts';
 import { HALF, toMetres, type LonLat } from './mercator.ts';
 
 setWorkerUrl(workerUrl);
@@ -23,6 +23,7 @@ export interface View {
   camera?: Camera | undefined;
   tilted: boolean;
   exaggeration: number;
+  overlays?: readonly Overlay[] | undefined;
 }
 
 export interface ShownTile {
@@ -50,21 +51,29 @@ const SKY: NonNullable<StyleSpecification['sky']> = {
 
 const hasSource = (layer: LayerSpecification) => 'source' in layer;
 
+/** Which overlay a layer of the server's style belongs to. */
+const overlayOf = (layer: LayerSpecification) => OVERLAYS.find((overlay) => 'source' in layer && layer.source === overlay);
+
 /**
  * The server's style as the map shows it. `mark` makes the ids of its sources and layers its own, so that two
  * revisions can be on the map at once. MapLibre loads coarser tiles for the mesh of 3D than for painting, hence the
  * mesh has a source that paints nothing.
  */
-function adapt(style: StyleSpecification, mark: string): StyleSpecification {
+function adapt(style: StyleSpecification, mark: string, overlays: readonly Overlay[]): StyleSpecification {
   const sources = { ...style.sources, [MESH]: style.sources[shadedSource(style)] };
-  const layers = style.layers.map((layer) =>
-    'source' in layer ? { ...layer, id: layer.id + mark, source: layer.source + mark } : layer,
-  );
+  const layers = style.layers.map((layer) => {
+    if (!('source' in layer)) return layer;
+    const marked = { ...layer, id: layer.id + mark, source: layer.source + mark };
+    const overlay = overlayOf(layer);
+    return overlay ? { ...marked, layout: { ...layer.layout, visibility: visibility(overlays, overlay) } } : marked;
+  });
   const marked = Object.entries(sources).map(([id, source]) => [id + mark, source]);
   // Without its own center and zoom: MapLibre would prefer them to a link that points to lon 0, lat 0 at zoom 0.
   const { center: _center, zoom: _zoom, ...rest } = style;
   return { sky: SKY, ...rest, sources: Object.fromEntries(marked), layers: layers as LayerSpecification[] };
 }
+
+const visibility = (overlays: readonly Overlay[], overlay: Overlay) => (overlays.includes(overlay) ? 'visible' : 'none');
 
 /** The new style painted over the old one, which shows through until the new tiles are there. */
 function overlay(old: StyleSpecification, renewed: StyleSpecification): StyleSpecification {
@@ -82,11 +91,13 @@ export class TerrainMap {
   #mark = '';
   #tilted: boolean;
   #exaggeration: number;
+  #overlays: readonly Overlay[];
   #renewals = 0;
   #renewing = false;
 
   constructor(container: HTMLElement, style: StyleSpecification, view: View) {
     this.#given = style;
+    this.#overlays = view.overlays ?? [];
     this.#style = this.#adapt(style);
     this.#tilted = view.tilted;
     this.#exaggeration = view.exaggeration;
@@ -118,6 +129,22 @@ export class TerrainMap {
     return this.#exaggeration;
   }
 
+  /** What can be laid over this world, and what of it is shown. */
+  get overlays(): { there: Overlay[]; shown: Overlay[] } {
+    const there = OVERLAYS.filter((overlay) => overlay in this.#given.sources);
+    return { there, shown: [...this.#overlays] };
+  }
+
+  setOverlays(overlays: readonly Overlay[]): void {
+    this.#overlays = overlays;
+    this.#style = adapt(this.#given, this.#mark, overlays);
+    for (const layer of this.#given.layers) {
+      const overlay = overlayOf(layer);
+      const id = layer.id + this.#mark;
+      if (overlay && this.map.getLayer(id)) this.map.setLayoutProperty(id, 'visibility', visibility(overlays, overlay));
+    }
+  }
+
   get camera(): Camera {
     const { lng, lat } = this.map.getCenter();
     return {
@@ -132,6 +159,7 @@ export class TerrainMap {
   /** Shows another world. */
   show(style: StyleSpecification, view: View): void {
     this.#given = style;
+    this.#overlays = view.overlays ?? [];
     this.#style = this.#adapt(style);
     this.#tilted = view.tilted;
     this.#exaggeration = view.exaggeration;
@@ -166,6 +194,7 @@ export class TerrainMap {
 
   /** Goes where a link says. */
   moveTo(view: View): void {
+    this.setOverlays(view.overlays ?? []);
     this.#tilted = view.tilted;
     this.#exaggeration = view.exaggeration;
     this.#allowPitch();
@@ -210,7 +239,7 @@ export class TerrainMap {
 
   #adapt(style: StyleSpecification): StyleSpecification {
     this.#mark = `-${++this.#renewals}`;
-    return adapt(style, this.#mark);
+    return adapt(style, this.#mark, this.#overlays);
   }
 
   #complete(): StyleSpecification {

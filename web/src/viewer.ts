@@ -3,9 +3,10 @@ import { Unreachable, catalog, readStyle, readWorld, type CatalogEntry } from '.
 import { ask } from './dialog.ts';
 import { Editor } from './editor.ts';
 import { STARTER } from './fields.ts';
-import { formatLink, parseLink, type Link } from './link.ts';
+import { formatLink, parseLink, type Link, type Overlay } from './link.ts';
 import { TerrainMap, type View } from './map.ts';
 import { Notice } from './notice.ts';
+import { OverlayControl } from './overlay-control.ts';
 import { Readout } from './readout.ts';
 import { showScale } from './scale.ts';
 import { ViewControl } from './view-control.ts';
@@ -37,6 +38,7 @@ export class Viewer {
     created: (name) => void this.#showCreated(name),
   });
   readonly #control = new ViewControl(find('#height'), (view) => this.#changeView(view));
+  readonly #overlayControl = new OverlayControl((overlays) => this.#changeView({ overlays }));
   #terrain: TerrainMap | undefined;
   #world: string | undefined;
   #opening = 0;
@@ -110,13 +112,19 @@ export class Viewer {
       this.#terrain = new TerrainMap(find('#map'), style, view);
       this.#attach(this.#terrain);
     }
-    this.#control.show(this.#terrain.tilted, this.#terrain.exaggeration);
+    this.#showControls(this.#terrain);
     this.#writeLink();
+  }
+
+  #showControls(terrain: TerrainMap): void {
+    this.#control.show(terrain.tilted, terrain.exaggeration);
+    this.#overlayControl.show(terrain.overlays.there, terrain.overlays.shown);
   }
 
   #attach(terrain: TerrainMap): void {
     const { map } = terrain;
     map.addControl(this.#control, 'top-right');
+    map.addControl(this.#overlayControl, 'top-right');
     map.addControl(new AttributionControl({ compact: true }), 'top-right');
     map.getCanvas().setAttribute('aria-label', 'Map of the terrain: arrow keys move, plus and minus zoom, Shift with arrows turns and tilts');
     map.on('dataloading', () => this.#stage.setAttribute('aria-busy', 'true'));
@@ -137,6 +145,7 @@ export class Viewer {
       if (name !== this.#world) return;
       this.#notice.clear();
       this.#terrain?.renew(style);
+      if (this.#terrain) this.#showControls(this.#terrain);
       document.title = `${this.#select.selectedOptions[0]?.text ?? name} · Terrane`;
     } catch (error) {
       this.#fail(error, () => void this.#renew(name));
@@ -193,22 +202,24 @@ export class Viewer {
   #currentView(): View {
     const terrain = this.#terrain;
     return terrain
-      ? { camera: terrain.camera, tilted: terrain.tilted, exaggeration: terrain.exaggeration }
+      ? { camera: terrain.camera, tilted: terrain.tilted, exaggeration: terrain.exaggeration, overlays: terrain.overlays.shown }
       : parseLink(location.hash);
   }
 
-  #changeView({ tilted, exaggeration }: { tilted?: boolean; exaggeration?: number }): void {
+  #changeView({ tilted, exaggeration, overlays }: { tilted?: boolean; exaggeration?: number; overlays?: Overlay[] }): void {
     const terrain = this.#terrain;
     if (!terrain) return;
     if (exaggeration !== undefined) terrain.setExaggeration(exaggeration);
     if (tilted !== undefined) terrain.setTilted(tilted);
-    this.#control.show(terrain.tilted, terrain.exaggeration);
+    if (overlays !== undefined) terrain.setOverlays(overlays);
+    this.#showControls(terrain);
     this.#writeLink();
   }
 
   #writeLink(): void {
     if (!this.#world) return;
-    const hash = formatLink({ world: this.#world, ...this.#currentView() });
+    const { overlays, ...view } = this.#currentView();
+    const hash = formatLink({ world: this.#world, ...view, overlays: overlays ? [...overlays] : undefined });
     // Replaced, not added: the way back leads out of the map, not through every move.
     if (hash !== location.hash) history.replaceState(history.state, '', hash);
   }
@@ -219,7 +230,7 @@ export class Viewer {
     if (link.world && link.world !== this.#world) return this.#choose(link.world, link);
     if (!this.#terrain || !link.camera) return;
     this.#terrain.moveTo(link);
-    this.#control.show(link.tilted, link.exaggeration);
+    this.#showControls(this.#terrain);
   }
 
   async #choose(name: string, link?: Link): Promise<void> {
@@ -228,7 +239,7 @@ export class Viewer {
       return this.#writeLink();
     }
     const view = this.#currentView();
-    await this.#open(name, link ?? { tilted: view.tilted, exaggeration: view.exaggeration });
+    await this.#open(name, link ?? { tilted: view.tilted, exaggeration: view.exaggeration, overlays: view.overlays });
   }
 
   async #mayDiscard(): Promise<boolean> {
@@ -271,7 +282,9 @@ export class Viewer {
   #shortcut(event: KeyboardEvent): void {
     const typing = event.target instanceof Element && event.target.closest('input, textarea, select, dialog');
     if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.key === 't' || event.key === 'T') this.#control.toggle();
+    const overlay = this.#overlayControl.overlayOf(event.key);
+    if (overlay) this.#overlayControl.toggle(overlay);
+    else if (event.key === 't' || event.key === 'T') this.#control.toggle();
     else if ((event.key === 'e' || event.key === 'E') && !this.#editButton.disabled) {
       event.preventDefault(); // or the letter would land in the form
       this.#showPanel(Boolean(this.#panel.hidden));

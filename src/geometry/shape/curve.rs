@@ -63,6 +63,12 @@ impl Curve {
         Self { along, ..self }
     }
 
+    /// The curve without its detail.
+    #[must_use]
+    pub fn plain(&self) -> Self {
+        Self { detail: None, ..self.clone() }
+    }
+
     /// All vertices; those of a ring end with its first one again.
     #[must_use]
     pub fn vertices(&self) -> &[[f64; 2]] {

@@ -61,6 +61,12 @@ pub enum ShapeError {
         /// Where the second edge begins.
         other: usize,
     },
+    /// A polygon whose edges lie so close together that checking them would take too long.
+    #[error("vertex {vertex}: so many of the polygon's edges lie across each other's ways that they cannot be checked: give it fewer or shorter edges")]
+    Entangled {
+        /// Where the check had to stop.
+        vertex: usize,
+    },
     /// A hole that does not lie inside the outer ring, or lies inside another hole.
     #[error("vertex {vertex} begins a hole that is not inside the polygon")]
     Hole {
@@ -92,4 +98,22 @@ pub enum ShapeError {
         /// Iterations.
         iterations: u8,
     },
+}
+
+impl ShapeError {
+    /// The vertex that is wrong, if it is one.
+    #[must_use]
+    pub fn vertex(&self) -> Option<usize> {
+        match self {
+            Self::Coordinate { vertex, .. }
+            | Self::Elevation { vertex }
+            | Self::TooFew { vertex, .. }
+            | Self::Open { vertex, .. }
+            | Self::Crossing { vertex, .. }
+            | Self::Entangled { vertex }
+            | Self::Hole { vertex } => Some(*vertex),
+            Self::TooMany { limit, .. } => Some(*limit),
+            _ => None,
+        }
+    }
 }

@@ -86,14 +86,38 @@ fn rings(curve: &Curve) -> Result<(), ShapeError> {
     }
     let objects = sides.iter().map(|&side| GeomWithData::new(Rectangle::from_corners(side.ends[0], side.ends[1]), side));
     let tree = RTree::bulk_load(objects.collect());
+    let mut budget = Budget(LEAST_PAIRS + PAIRS_A_SIDE * sides.len());
     for side in &sides {
         let near = tree.locate_in_envelope_intersecting(AABB::from_corners(side.ends[0], side.ends[1]));
-        let others = near.map(|object| object.data).filter(|other| other.vertex > side.vertex && conflict(side, other));
-        if let Some(other) = others.map(|other| other.vertex).min() {
+        let mut first = None;
+        for other in near.map(|object| object.data) {
+            budget.take(side.vertex)?;
+            if other.vertex > side.vertex && conflict(side, &other) {
+                first = first.into_iter().chain([other.vertex]).min();
+            }
+        }
+        if let Some(other) = first {
             return Err(ShapeError::Crossing { vertex: side.vertex, other });
         }
     }
-    holes(curve, &tree)
+    holes(curve, &tree, &mut budget)
+}
+
+/// Pairs of edges that may be compared: what is drawn by hand or grown needs a few an edge. Only long edges that run aslant beside each other need more, up to the
+/// square of their number.
+const PAIRS_A_SIDE: usize = 1024;
+
+/// Pairs that a polygon of any size may have: those of 360 edges, whatever they are.
+const LEAST_PAIRS: usize = 131_072;
+
+/// Comparisons that are left.
+struct Budget(usize);
+
+impl Budget {
+    fn take(&mut self, vertex: usize) -> Result<(), ShapeError> {
+        self.0 = self.0.checked_sub(1).ok_or(ShapeError::Entangled { vertex })?;
+        Ok(())
+    }
 }
 
 /// Whether two edges meet where they may not.
@@ -125,7 +149,7 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> i8 {
 }
 
 /// Checks that the ray from every hole eastwards crosses the other rings an odd number of times.
-fn holes(curve: &Curve, tree: &Sides) -> Result<(), ShapeError> {
+fn holes(curve: &Curve, tree: &Sides, budget: &mut Budget) -> Result<(), ShapeError> {
     for ring in 1..curve.starts.len() {
         let part = curve.part(ring);
         // A vertex that touches another ring says nothing.
@@ -136,8 +160,11 @@ fn holes(curve: &Curve, tree: &Sides) -> Result<(), ShapeError> {
         });
         let p = curve.vertices[free.unwrap_or(part.start)];
         let ray = AABB::from_corners(p, [f64::MAX, p[1]]);
-        let others = tree.locate_in_envelope_intersecting(ray).filter(|object| object.data.ring != ring);
-        let crossings = others.filter(|object| super::crosses(p, object.data.ends[0], object.data.ends[1])).count();
+        let mut crossings = 0;
+        for object in tree.locate_in_envelope_intersecting(ray) {
+            budget.take(part.start)?;
+            crossings += usize::from(object.data.ring != ring && super::crosses(p, object.data.ends[0], object.data.ends[1]));
+        }
         if free.is_some() && crossings % 2 == 0 {
             return Err(ShapeError::Hole { vertex: part.start });
         }

@@ -49,7 +49,7 @@ pub enum GenerateError {
 }
 
 /// Checks that a parameter lies in its range; NaN never does.
-pub(super) fn check(place: &'static str, value: f64, range: RangeInclusive<f64>) -> Result<(), GenerateError> {
+pub(in crate::layout) fn check(place: &'static str, value: f64, range: RangeInclusive<f64>) -> Result<(), GenerateError> {
     if range.contains(&value) {
         return Ok(());
     }

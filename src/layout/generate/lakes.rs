@@ -6,9 +6,11 @@ use super::{
     plane::{Point, along, distance, dot, minus, unit},
     random::Stream,
 };
+use serde::{Deserialize, Serialize};
 
 /// Lakes on the way of rivers: flat, with the river below starting at the lake's level and the rivers above ending at it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Lakes {
     /// The share 0 … 1 of the places with room for a lake that get one.
     pub share: f64,

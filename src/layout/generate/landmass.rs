@@ -7,9 +7,11 @@ use super::{
     style::Style,
 };
 use crate::layout::Feature;
+use serde::{Deserialize, Serialize};
 
 /// A land round a centre: a polygon of few corners, each moved along its radius, then refined by midpoint displacement.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Landmass {
     /// The centre in metres, within 2^40 of the origin.
     pub centre: [f64; 2],
@@ -63,20 +65,29 @@ impl Landmass {
         Ok(vec![style.feature(&ring, true, &style.attributes, style.detail)?])
     }
 
+    /// The corners of the low polygon, counter-clockwise, and what its refinement is hashed with.
+    fn corners(&self, seed: u64) -> (Vec<Point>, u64) {
+        let mut stream = Stream::new(seed, "landmass");
+        let corners = (0..self.corners).map(|corner| {
+            let (sine, cosine) = libm::sincos(std::f64::consts::TAU * corner as f64 / self.corners as f64);
+            along(self.centre, self.radius * (1.0 + self.variation * stream.between(-1.0, 1.0)), [cosine, sine])
+        });
+        (corners.collect(), stream.bits())
+    }
+
+    /// The outline with its edges halved once at most: what is seen of it from afar.
+    pub(in crate::layout) fn coarse(&self, seed: u64) -> Vec<[f64; 2]> {
+        let (corners, seed) = self.corners(seed);
+        if self.iterations > 0 { halve(&corners, self.displacement, seed, 0) } else { corners }
+    }
+
     /// The outline, counter-clockwise, without repeating its first vertex; it never crosses itself.
     ///
     /// # Errors
     /// A parameter outside its range.
     pub fn outline(&self, seed: u64) -> Result<Vec<[f64; 2]>, GenerateError> {
         self.check()?;
-        let mut stream = Stream::new(seed, "landmass");
-        let corners: Vec<Point> = (0..self.corners)
-            .map(|corner| {
-                let (sine, cosine) = libm::sincos(std::f64::consts::TAU * corner as f64 / self.corners as f64);
-                along(self.centre, self.radius * (1.0 + self.variation * stream.between(-1.0, 1.0)), [cosine, sine])
-            })
-            .collect();
-        let seed = stream.bits();
+        let (corners, seed) = self.corners(seed);
         let mut displacement = self.displacement;
         loop {
             let ring = (0..self.iterations).fold(corners.clone(), |ring, level| halve(&ring, displacement, seed, level));

@@ -44,5 +44,8 @@ pub use ridges::Ridges;
 pub use rivers::Rivers;
 pub use style::{Style, Styles};
 
+pub(super) use error::check;
+pub(super) use random::Stream;
+
 #[cfg(test)]
 mod tests;

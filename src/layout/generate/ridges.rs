@@ -9,9 +9,11 @@ use super::{
     voronoi::{Edge, Vertex, diagram},
 };
 use crate::layout::Feature;
+use serde::{Deserialize, Serialize};
 
 /// Ridges: the edges of the Voronoi diagram of rivers, lakes and shores that cross none of them, and so run between their basins.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Ridges {
     /// The distance of the places along the waters that the diagram is made of, 1 … 1,000,000 m: about a quarter of the rivers' spacing.
     pub step: f64,

@@ -6,10 +6,12 @@ use super::{
     plane::{Area, Near, Point, Segment, along, cross, crossing, distance, dot, gap, minus, segment_distance, unit},
     random::Stream,
 };
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 /// Rivers grown inland from the coast by Poisson-disc sampling (R. Bridson 2007): trees whose water falls all the way to the sea.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Rivers {
     /// The least distance between two points of rivers, 1 … 1,000,000 m; rivers keep about this distance from each other.
     pub spacing: f64,

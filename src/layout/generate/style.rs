@@ -73,25 +73,47 @@ impl Styles {
     /// # Errors
     /// If the spacing is not 1 … 1,000,000 m.
     pub fn for_spacing(spacing: f64, seed: u64) -> Result<Self, GenerateError> {
+        Self::for_sea(spacing, seed, 0.0)
+    }
+
+    /// As [`Styles::for_spacing`], with the sea at another elevation in metres.
+    ///
+    /// # Errors
+    /// If the spacing is not 1 … 1,000,000 m or the sea's elevation not -10,000 … 32,767 m.
+    pub fn for_sea(spacing: f64, seed: u64, sea_level: f64) -> Result<Self, GenerateError> {
         super::error::check("styles.spacing", spacing, 1.0..=1e6)?;
+        super::error::check("styles.sea_level", sea_level, -10_000.0..=32_767.0)?;
         let valley = Weight::Smooth { width: 0.1 * spacing };
         let floor = |half_width: f64| Attribute::elevation(Weight::Smooth { width: 0.08 * spacing }, 0.2 * spacing).as_channel(half_width);
         let bed = 0.003 * spacing;
         let depth = |profile: &[[f64; 2]], range: f64| Attribute::water_depth(profile, Weight::Linear, range);
-        let sea = Value::Profile([[0.0, 0.0], [4.0 * spacing, -0.4 * spacing]].into());
+        let sea = Value::Profile([[0.0, sea_level], [4.0 * spacing, sea_level - 0.4 * spacing]].into());
         let style = |attributes: Vec<Attribute>, iterations: u8, displacement: f64, precedence: i32| -> Result<Style, GenerateError> {
             let detail = Some(Detail::new(iterations, displacement, seed)?);
             Ok(Style { attributes: Arc::new(AttributeSet::new(attributes)?), detail, precedence })
         };
         let slope = || Attribute::elevation(valley.clone(), spacing);
-        let coast = vec![Attribute::new("elevation", sea, valley.clone(), spacing).on(Side::Outside), floor(0.0).on(Side::Edge)];
+        // Grass weighs 1 on all the land; what is heavier near its own shape shows there.
+        let ground = |name: &str, width: f64| Attribute::material(name, Weight::Sharp { width: width * spacing, nearest: 0.001 }, 0.5 * spacing);
+        let grass = Attribute::material("grass", Weight::Linear, 0.1 * spacing);
+        let coast = vec![
+            Attribute::new("elevation", sea, valley.clone(), spacing).on(Side::Outside),
+            floor(0.0).on(Side::Edge),
+            grass,
+            ground("sand", 0.06).on(Side::Edge),
+        ];
         let pond = [[-0.2 * spacing, 0.06 * spacing], [0.0, 0.0]];
         Ok(Styles {
             land: style(coast, 5, 0.12, 0)?,
             // Lakes have the rank of rivers: where the two meet, their levels agree, and neither bends the other's.
-            rivers: style(vec![slope(), floor(bed), depth(&[[0.0, 0.3 * bed], [bed, 0.0]], bed)], 8, 0.09, 20)?,
-            lakes: style(vec![slope(), floor(0.0), depth(&pond, 1.0).as_channel(0.0)], 5, 0.09, 30)?,
-            ridges: style(vec![Attribute::elevation(Weight::Sharp { width: 0.02 * spacing, nearest: 0.001 }, spacing)], 6, 0.12, 10)?,
+            rivers: style(vec![slope(), floor(bed), depth(&[[0.0, 0.3 * bed], [bed, 0.0]], bed), ground("gravel", 0.012)], 8, 0.09, 20)?,
+            lakes: style(vec![slope(), floor(0.0), depth(&pond, 1.0).as_channel(0.0), ground("silt", 0.02)], 5, 0.09, 30)?,
+            ridges: style(
+                vec![Attribute::elevation(Weight::Sharp { width: 0.02 * spacing, nearest: 0.02 * spacing }, spacing), ground("rock", 0.12)],
+                6,
+                0.12,
+                10,
+            )?,
         })
     }
 }

@@ -12,6 +12,7 @@ use crate::{
     world::check_name,
 };
 use axum::{
+    body::Bytes,
     http::{HeaderMap, StatusCode, header},
     response::{IntoResponse, Response},
 };
@@ -89,13 +90,14 @@ async fn save<T: Shelved>(app: &App, name: String, document: T::Document, condit
     }
 }
 
-fn parse<T: Shelved>(body: &[u8]) -> Result<T::Document, ApiError> {
-    T::parse(body).map_err(|error| ApiError::document(T::KIND, error))
+async fn parse<T: Shelved>(app: &App, body: Bytes) -> Result<T::Document, ApiError> {
+    T::shelf(app).parse(body, None).await?.map_err(|error| ApiError::document(T::KIND, error))
 }
 
 /// Saves a document under a name.
-pub(super) async fn put<T: Shelved>(app: &App, url: &str, name: String, condition: Condition, body: &[u8]) -> Result<Response, ApiError> {
-    let (saved, live) = save::<T>(app, name, parse::<T>(body)?, condition).await?;
+pub(super) async fn put<T: Shelved>(app: &App, url: &str, name: String, condition: Condition, body: Bytes) -> Result<Response, ApiError> {
+    let document = parse::<T>(app, body).await?;
+    let (saved, live) = save::<T>(app, name, document, condition).await?;
     Ok(match saved {
         Saved::Created => created(url, &*live),
         Saved::Changed | Saved::Unchanged => answer(StatusCode::OK, &*live, Freshness::Revalidate),
@@ -103,11 +105,11 @@ pub(super) async fn put<T: Shelved>(app: &App, url: &str, name: String, conditio
 }
 
 /// Saves a new document under the name asked for, or under one made for it.
-pub(super) async fn post<T: Shelved>(app: &App, url: &str, query: NameQuery, body: &[u8]) -> Result<Response, ApiError> {
+pub(super) async fn post<T: Shelved>(app: &App, url: &str, query: NameQuery, body: Bytes) -> Result<Response, ApiError> {
     if let Some(name) = &query.name {
         check_name("a name", name).map_err(|detail| ApiError::parameter("name", detail))?;
     }
-    let document = parse::<T>(body)?;
+    let document = parse::<T>(app, body).await?;
     let names: Box<dyn Iterator<Item = String> + Send> = match query.name {
         Some(name) => Box::new(std::iter::once(name)),
         None => Box::new(made_names::<T>(&document)),

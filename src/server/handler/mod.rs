@@ -4,6 +4,8 @@ pub(super) mod catalog;
 pub(super) mod description;
 mod document;
 pub(super) mod elevation;
+pub(super) mod feature;
+pub(super) mod feature_edit;
 pub(super) mod health;
 pub(super) mod programme;
 pub(super) mod shader;

@@ -87,7 +87,7 @@ pub(crate) async fn put_programme(
     PublicUrl(url): PublicUrl,
     Body(body): Body,
 ) -> Result<Response, ApiError> {
-    document::put::<Shown>(&app, &url, name, condition, &body).await
+    document::put::<Shown>(&app, &url, name, condition, body).await
 }
 
 /// Saves a new programme.
@@ -102,7 +102,7 @@ pub(crate) async fn post_programme(
     PublicUrl(url): PublicUrl,
     Body(body): Body,
 ) -> Result<Response, ApiError> {
-    document::post::<Shown>(&app, &url, query, &body).await
+    document::post::<Shown>(&app, &url, query, body).await
 }
 
 /// Takes a programme out of the library. One that ships with Terrane does not come back.

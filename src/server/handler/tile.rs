@@ -1,12 +1,12 @@
 //! Tiles and what describes them.
 
 use crate::{
-    geometry::{Grid, to_lon_lat},
+    geometry::{Grid, Source, to_lon_lat},
     server::{
         error::ApiError,
         extract::{Known, PublicUrl, TilePath, TilesetPath, WorldAt},
         headers::{Freshness, is_fresh, json, not_modified, tagged},
-        schema::{ProblemDetails, TileJson},
+        schema::{MaterialSchema, ProblemDetails, TileJson, VectorLayerSchema},
         shelf::Shelved,
         state::App,
         style,
@@ -39,13 +39,14 @@ pub(crate) struct LiveQuery {
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}/{z}/{x}/{y}", tag = "tiles", params(
     ("world" = String, Path, description = "`name`, or `name@revision` for a tile that never changes"),
     ("grid" = String, Path, description = "`web` or `metric`"),
-    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32` or `hillshade`"),
+    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32`, `hillshade`, `water`, `materials`, `relief`, `contours` or `features`"),
     ("z" = u8, Path, description = "Zoom level, 0 … 30"),
     ("x" = i64, Path, description = "Column, to the east; may be negative or beyond 2^z"),
-    ("y" = String, Path, description = "Row, to the south, samples and extension: `5.png` (256 pixels), `5@2x.png` (512), `5@257.bin` (257 × 257 vertices with both edges; 2 … 1025)"),
+    ("y" = String, Path, description = "Row, to the south, samples and extension: `5.png` (256 pixels), `5@2x.png` (512), `5@257.bin` (257 × 257 vertices with both edges; 2 … 1025), `5.mvt`"),
+    ("surface" = Option<String>, Query, description = "`ground` (default) or `water`: the height that `terrarium`, `terrain-rgb`, `r32` and `hillshade` draw; `water` is the water's surface where there is water"),
     ("filter" = Option<String>, Query, description = "`band` (default) leaves out what the spacing cannot carry, `exact` samples the function as it is"),
 ), responses(
-    (status = 200, description = "The tile", content((Vec<u8> = "image/png"), (Vec<u8> = "application/octet-stream")), headers(("ETag" = String, description = "The tile's fingerprint"))),
+    (status = 200, description = "The tile", content((Vec<u8> = "image/png"), (Vec<u8> = "application/octet-stream"), (Vec<u8> = "application/vnd.mapbox-vector-tile")), headers(("ETag" = String, description = "The tile's fingerprint"))),
     (status = 304, description = "The tile is what If-None-Match names; nothing was evaluated"),
     (status = 400, description = "A part of the address is no number, the query is wrong, or exact samples so far apart would take longer than 10 s", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 404, description = "No such world, grid, tileset, extension or tile", body = ProblemDetails, content_type = "application/problem+json"),
@@ -57,19 +58,26 @@ pub(crate) async fn get_tile(
     TilePath(request): TilePath,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
-    let fingerprint = live.world.fingerprint(request.tileset.form(), request.grid, request.tile, request.samples, request.filter);
+    let window = request.window().map_err(|error| ApiError::absent("tile", error.to_string()))?;
+    let (world, form, area) = (&live.world, request.form(&live.world.legend()), window.bounds());
+    let is_features = request.tileset == tile::Tileset::Features;
+    let form = if is_features { world.features_form(&form, &area) } else { form };
+    let fingerprint = world.fingerprint(&form, &area, request.grid, request.tile, request.samples, request.filter);
     let (tag, freshness) = (fingerprint.to_string(), Freshness::of(pinned));
     if is_fresh(&headers, &tag) {
         return Ok(not_modified(&tag, freshness));
     }
-    let window = request.window().map_err(|error| ApiError::absent("tile", error.to_string()))?;
     let cost_ns = live.world.cost_ns(&window);
     if cost_ns > MOST_TILE_NS {
         let (spacing, seconds) = (window.spacing(), cost_ns / 1e9);
         let detail = format!("exact samples {spacing} m apart would take this world about {seconds:.0} s a tile: ask for filter=band or a finer zoom");
         return Err(ApiError::parameter("filter", detail));
     }
-    let bytes = app.0.tiles.get(fingerprint, cost_ns, move || tile::render(&live.world, &request)).await?;
+    let bytes = app
+        .0
+        .tiles
+        .get(fingerprint, cost_ns, move || if is_features { tile::render_features(&live.world, &request) } else { tile::render(&live.world, &request) })
+        .await?;
     Ok(tagged(([(header::CONTENT_TYPE, request.tileset.media_type())], bytes), &tag, freshness))
 }
 
@@ -81,7 +89,7 @@ const MOST_TILE_NS: f64 = 1e10;
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}", tag = "tiles", params(
     ("world" = String, Path, description = "`name` or `name@revision`"),
     ("grid" = String, Path, description = "`web` or `metric`"),
-    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32` or `hillshade`"),
+    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32`, `hillshade`, `water`, `materials`, `relief`, `contours` or `features`"),
     LiveQuery,
 ), responses(
     (status = 200, description = "TileJSON 3.0 with `encoding` and `tileSize`", body = TileJson),
@@ -108,16 +116,37 @@ pub(crate) async fn get_tilejson(
         minzoom: 0,
         maxzoom: MAX_ANNOUNCED_ZOOM,
         center: center(&live, grid),
-        tile_size: 512,
+        tile_size: tileset.layers().is_empty().then_some(512),
+        vector_layers: vector_layers(tileset),
         encoding: tileset.encoding(),
+        materials: tileset.wanted().materials.then(|| materials(live.world.materials())),
     };
     // Its links depend on how the server is reached, so even a pinned one may change.
     json(&headers, &body, Freshness::Revalidate)
 }
 
+fn materials(names: &[Box<str>]) -> Vec<MaterialSchema> {
+    let entry = |(name, id): (&Box<str>, usize)| {
+        let [r, g, b] = tile::material_colour(name);
+        MaterialSchema { id, name: name.to_string(), colour: format!("#{r:02x}{g:02x}{b:02x}") }
+    };
+    names.iter().zip(1..).map(entry).collect()
+}
+
+/// What the layers of a vector tileset are called and hold.
+fn vector_layers(tileset: tile::Tileset) -> Option<Vec<VectorLayerSchema>> {
+    let layer = |layer: &tile::VectorLayer| VectorLayerSchema {
+        id: layer.id,
+        description: layer.description,
+        fields: layer.fields.iter().map(|(name, what)| ((*name).to_owned(), *what)).collect(),
+    };
+    (!tileset.layers().is_empty()).then(|| tileset.layers().iter().map(layer).collect())
+}
+
 fn template(url: &str, live: &Live, grid: &str, tileset: tile::Tileset, plain: bool) -> String {
     let revision = if plain { String::new() } else { format!("@{}", live.world.revision()) };
-    format!("{url}/worlds/{}{revision}/{grid}/{}/{{z}}/{{x}}/{{y}}@2x.{}", live.name, tileset.name(), tileset.extension())
+    let samples = if tileset.layers().is_empty() { "@2x" } else { "" };
+    format!("{url}/worlds/{}{revision}/{grid}/{}/{{z}}/{{x}}/{{y}}{samples}.{}", live.name, tileset.name(), tileset.extension())
 }
 
 /// The middle and zoom (of 512-pixel tiles) of a view with relief: longitude and latitude on `web`, metres on `metric`.
@@ -150,7 +179,7 @@ pub(crate) async fn get_style(
     PublicUrl(url): PublicUrl,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
-    let tiles = template(&url, &live, Grid::Web.name(), tile::Tileset::Terrarium, query.live.is_some());
-    let style = style::style(&live, &tiles, MAX_ANNOUNCED_ZOOM, center(&live, Grid::Web));
+    let tiles = |tileset| template(&url, &live, Grid::Web.name(), tileset, query.live.is_some());
+    let style = style::style(&live, tiles, MAX_ANNOUNCED_ZOOM, center(&live, Grid::Web));
     json(&headers, &style, Freshness::Revalidate)
 }

@@ -46,7 +46,7 @@ pub(crate) async fn put_world(
     PublicUrl(url): PublicUrl,
     Body(body): Body,
 ) -> Result<Response, ApiError> {
-    document::put::<Live>(&app, &url, name, condition, &body).await
+    document::put::<Live>(&app, &url, name, condition, body).await
 }
 
 /// Saves a new world.
@@ -61,7 +61,7 @@ pub(crate) async fn post_world(
     PublicUrl(url): PublicUrl,
     Body(body): Body,
 ) -> Result<Response, ApiError> {
-    document::post::<Live>(&app, &url, query, &body).await
+    document::post::<Live>(&app, &url, query, body).await
 }
 
 /// Takes a world out of the catalogue. Its history stays, and goes on if the name is used again.

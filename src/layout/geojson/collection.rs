@@ -1,0 +1,232 @@
+//! Features that are read and written together.
+
+use super::{
+    coordinates::MOST_VERTICES,
+    drawn::Drawn,
+    problem::{Problem, Problems, ReadError},
+    read::{Form, Reader, TopSeed},
+    sets::Sets,
+};
+use crate::layout::{ContentHash, Feature};
+use serde::{Serialize, Serializer, de::DeserializeSeed, ser::SerializeMap};
+use std::{
+    collections::BTreeMap,
+    io::{BufRead, Read},
+    sync::Arc,
+};
+
+/// Most features that are read at a time, and that they may become by their detail.
+pub const MOST_FEATURES: usize = 2_000_000;
+
+/// Features with the sets of attributes that they share.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Collection {
+    /// Sets of attributes by name.
+    pub sets: Sets,
+    /// The features, in the order they were drawn in.
+    pub features: Vec<Drawn>,
+    form: Option<Form>,
+}
+
+impl Collection {
+    /// Features with sets of attributes.
+    #[must_use]
+    pub fn new(sets: Sets, features: Vec<Drawn>) -> Self {
+        Self { sets, features, form: Some(Form::Collection) }
+    }
+
+    /// Reads a Feature, a `FeatureCollection`, or one Feature a line (newline-delimited, or RFC 8142). Attributes are looked up later, by [`Collection::features`].
+    ///
+    /// # Errors
+    /// If it cannot be read or is not JSON, or with every problem found.
+    pub fn read(source: impl Read) -> Result<Self, ReadError> {
+        let mut reader = Reader::default();
+        let mut deserializer = serde_json::Deserializer::from_reader(std::io::BufReader::with_capacity(1 << 16, Plain(source)));
+        loop {
+            if let Err(error) = TopSeed(&mut reader).deserialize(&mut deserializer) {
+                if error.is_io() {
+                    return Err(ReadError::Io(error.into()));
+                }
+                reader.stop(&told(&error));
+                break;
+            }
+            match deserializer.end() {
+                Ok(()) => break,
+                Err(error) if error.is_io() => return Err(ReadError::Io(error.into())),
+                Err(_) if reader.form == Some(Form::Collection) => {
+                    reader.problems.add("", "something follows the FeatureCollection");
+                    break;
+                }
+                // Another line.
+                Err(_) if reader.problems.is_full() || reader.count > MOST_FEATURES => break,
+                Err(_) => {}
+            }
+        }
+        let Reader { features, sets, mut problems, form, .. } = reader;
+        let read = Self { sets, features, form };
+        read.check_ids(&mut problems);
+        problems.into_result(read)
+    }
+
+    /// Reads features one a line; there may be none.
+    pub(super) fn read_lines(source: impl Read) -> Result<Self, ReadError> {
+        let mut source = std::io::BufReader::new(source);
+        match source.fill_buf() {
+            Ok([]) => Ok(Self::default()),
+            Ok(_) => Self::read(source),
+            Err(error) => Err(ReadError::Io(error)),
+        }
+    }
+
+    /// Reads text.
+    ///
+    /// # Errors
+    /// As [`Collection::read`].
+    pub fn parse(json: &str) -> Result<Self, ReadError> {
+        Self::read(json.as_bytes())
+    }
+
+    /// Features as they would be drawn, with names for their sets of attributes made of their content; `None` if one has its detail expanded.
+    #[must_use]
+    pub fn of(features: &[Feature]) -> Option<Self> {
+        let (mut names, mut sets): (BTreeMap<ContentHash, Arc<str>>, Sets) = Default::default();
+        let drawn = features.iter().map(|feature| {
+            let set = feature.attributes();
+            let name = names.entry(set.hash()).or_insert_with(|| {
+                let hex: String = set.hash().0[..6].iter().map(|byte| format!("{byte:02x}")).collect();
+                let name: Arc<str> = format!("set-{hex}").into();
+                sets.insert(&name, Arc::clone(set));
+                name
+            });
+            Drawn::of(feature, Some(Arc::clone(name)))
+        });
+        let drawn: Option<Vec<Drawn>> = drawn.collect();
+        Some(Self::new(sets, drawn?))
+    }
+
+    /// The features of a layout that the drawn ones stand for. Sets that have no name here are looked up in `outer`.
+    ///
+    /// # Errors
+    /// With every problem found: a name that no set has, an elevation that an attribute needs, detail that a shape cannot have.
+    pub fn features(&self, outer: &Sets) -> Result<Vec<Feature>, ReadError> {
+        let mut all = Vec::with_capacity(self.features.len());
+        self.each(outer, |mut made| all.append(&mut made))?;
+        Ok(all)
+    }
+
+    /// Checks what [`Collection::features`] would make, without keeping it.
+    ///
+    /// # Errors
+    /// As [`Collection::features`].
+    pub fn check(&self, outer: &Sets) -> Result<(), ReadError> {
+        self.each(outer, drop)
+    }
+
+    fn each(&self, outer: &Sets, mut take: impl FnMut(Vec<Feature>)) -> Result<(), ReadError> {
+        let (mut problems, mut count, mut vertices) = (Problems::default(), 0, 0);
+        for (number, drawn) in self.features.iter().enumerate() {
+            if problems.is_full() {
+                break;
+            }
+            let label = self.label(number);
+            match drawn.features([&self.sets, outer]) {
+                Ok(made) => {
+                    count += made.len();
+                    vertices += made.iter().map(|feature| feature.shape().curve().map_or(1, |curve| curve.vertices().len())).sum::<usize>();
+                    if count > MOST_FEATURES || vertices > 2 * MOST_VERTICES[1] {
+                        let detail = format!("{label}: its detail makes more than {MOST_FEATURES} features or {} vertices of all", 2 * MOST_VERTICES[1]);
+                        problems.add(self.pointer(number), detail);
+                        break;
+                    }
+                    take(made);
+                }
+                Err((place, detail)) => problems.add(format!("{}{place}", self.pointer(number)), format!("{label}: {detail}")),
+            }
+        }
+        problems.into_result(())
+    }
+
+    fn label(&self, number: usize) -> String {
+        self.features[number].id.as_ref().map_or_else(|| format!("feature number {number}"), |id| format!("feature {:?}", id.to_string()))
+    }
+
+    /// A JSON pointer to a feature in what was read.
+    #[must_use]
+    pub fn pointer(&self, number: usize) -> String {
+        Reader::pointer(self.form, self.features.len() == 1, number)
+    }
+
+    /// Finds ids that two features have.
+    pub(super) fn check_ids(&self, problems: &mut Problems) {
+        let mut ids: Vec<(String, usize)> = self.features.iter().zip(0..).filter_map(|(drawn, i)| Some((drawn.id.as_ref()?.to_string(), i))).collect();
+        ids.sort_unstable();
+        for pair in ids.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+            let (id, first, second) = (&pair[0].0, pair[0].1, pair[1].1);
+            problems.add(format!("{}/id", self.pointer(second)), format!("feature {id:?}: feature number {first} has this id already"));
+        }
+    }
+
+    /// Takes in another collection's features and sets. A set whose name stands for something else here gets a new name.
+    pub fn append(&mut self, other: Self) {
+        let mut names = BTreeMap::new();
+        for (name, set) in other.sets.iter() {
+            let mut new = name.to_owned();
+            let mut number = 2;
+            while self.sets.get(&new).is_some_and(|known| known.hash() != set.hash()) {
+                let kept: String = name.chars().take(50).collect();
+                new = format!("{kept}-{number}");
+                number += 1;
+            }
+            if new != name {
+                names.insert(name.into(), new.as_str().into());
+            }
+            self.sets.insert(&new, Arc::clone(set));
+        }
+        self.form = Some(Form::Collection);
+        self.features.extend(other.features.into_iter().map(|mut drawn| {
+            drawn.rename(&names);
+            drawn
+        }));
+    }
+}
+
+impl Serialize for Collection {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("type", "FeatureCollection")?;
+        if !self.sets.is_empty() {
+            map.serialize_entry("attributes", &self.sets)?;
+        }
+        map.serialize_entry("features", &self.features)?;
+        map.end()
+    }
+}
+
+/// What the JSON reader says, without its name for what is not there.
+fn told(error: &serde_json::Error) -> String {
+    format!("not JSON as GeoJSON needs it: {error} (numbers must be finite; NaN and Infinity are none)")
+}
+
+/// Features one a line may have record separators before them (RFC 8142), which are white space here.
+struct Plain<R>(R);
+
+impl<R: Read> Read for Plain<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.0.read(buffer)?;
+        for byte in &mut buffer[..count] {
+            if *byte == 0x1e {
+                *byte = b'\n';
+            }
+        }
+        Ok(count)
+    }
+}
+
+impl From<ReadError> for Vec<Problem> {
+    fn from(error: ReadError) -> Self {
+        match error {
+            ReadError::Io(error) => vec![Problem { pointer: String::new(), detail: format!("reading failed: {error}") }],
+            ReadError::Invalid(problems) => problems,
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Features as they are kept: under the name of their content, in parts that edits leave alone, found by id and by place.
+
+use super::{
+    collection::Collection,
+    drawn::{Drawn, Id},
+    problem::{Problems, ReadError},
+    sets::Sets,
+};
+use crate::geometry::Rectangle;
+use rstar::{AABB, RTree, primitives};
+use sha2::{Digest, Sha256};
+use std::{collections::BTreeSet, fmt::Write, io::Read, sync::OnceLock};
+
+/// Features of a part at most.
+const LONGEST_PART: usize = 4096;
+
+/// A part ends after a feature whose text hashes to a multiple of this: one edit changes one or two parts of some 256 features.
+const PART: u64 = 256;
+
+type Tree = RTree<primitives::GeomWithData<primitives::Rectangle<[f64; 2]>, u32>>;
+
+/// Features that are kept together, each with an id, in their order.
+#[derive(Debug)]
+pub struct FeatureSet {
+    collection: Collection,
+    tree: OnceLock<Tree>,
+}
+
+/// The texts that a set of features is kept as.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StoredSet {
+    /// The name of the whole: 32 hex digits.
+    pub name: String,
+    /// The sets of attributes by name, as a JSON object.
+    pub attributes: String,
+    /// Features one a line, in parts with the names of their contents.
+    pub parts: Vec<(String, String)>,
+}
+
+/// The first 32 hex digits of SHA-256.
+fn name_of(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().take(16).fold(String::new(), |mut name, byte| {
+        // Writing to text does not fail.
+        let _ = write!(name, "{byte:02x}");
+        name
+    })
+}
+
+/// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo), for the ends of parts alone.
+fn scattered(text: &[u8]) -> u64 {
+    text.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+impl FeatureSet {
+    /// Gives features without an id one made of their content, and leaves out sets of attributes that none of them names. What the features say is for
+    /// [`Collection::check`] to judge.
+    ///
+    /// # Errors
+    /// If two features have one id.
+    pub fn new(mut collection: Collection) -> Result<Self, ReadError> {
+        let mut problems = Problems::default();
+        collection.check_ids(&mut problems);
+        problems.into_result(())?;
+        let mut ids: BTreeSet<String> = collection.features.iter().filter_map(|drawn| Some(drawn.id.as_ref()?.to_string())).collect();
+        for drawn in collection.features.iter_mut().filter(|drawn| drawn.id.is_none()) {
+            let name = name_of(line(drawn).as_bytes());
+            let numbered = |number: u32| if number == 1 { name[..12].to_owned() } else { format!("{}-{number}", &name[..12]) };
+            let mut number = 1;
+            while !ids.insert(numbered(number)) {
+                number += 1;
+            }
+            drawn.id = Some(Id::Text(numbered(number).into()));
+        }
+        let used: BTreeSet<String> = collection.features.iter().flat_map(Drawn::sets).map(str::to_owned).collect();
+        collection.sets.retain(|name| used.contains(name));
+        Ok(Self { collection, tree: OnceLock::new() })
+    }
+
+    /// The features with the sets of attributes that they share.
+    #[must_use]
+    pub fn collection(&self) -> &Collection {
+        &self.collection
+    }
+
+    /// The place of a feature in the collection.
+    #[must_use]
+    pub fn position(&self, id: &str) -> Option<usize> {
+        self.collection.features.iter().position(|drawn| drawn.id.as_ref().is_some_and(|known| known.is(id)))
+    }
+
+    /// The places of all features whose shapes may meet an area, ascending.
+    #[must_use]
+    pub fn find(&self, area: &Rectangle) -> Vec<u32> {
+        let tree = self.tree.get_or_init(|| {
+            let object = |(drawn, number): (&Drawn, u32)| {
+                let bounds = drawn.bounds();
+                primitives::GeomWithData::new(primitives::Rectangle::from_corners(bounds.min, bounds.max), number)
+            };
+            RTree::bulk_load(self.collection.features.iter().zip(0..).map(object).collect())
+        });
+        let mut found: Vec<u32> = tree.locate_in_envelope_intersecting(AABB::from_corners(area.min, area.max)).map(|object| object.data).collect();
+        found.sort_unstable();
+        found
+    }
+
+    /// The texts that it is kept as. They follow from the features and their order alone.
+    #[must_use]
+    pub fn stored(&self) -> StoredSet {
+        let attributes = serde_json::to_string(&self.collection.sets).unwrap_or_default();
+        let (mut parts, mut part, mut count) = (Vec::new(), String::new(), 0);
+        let mut features = self.collection.features.iter().peekable();
+        while let Some(drawn) = features.next() {
+            let line = line(drawn);
+            let ends = scattered(line.as_bytes()).is_multiple_of(PART);
+            part.push_str(&line);
+            part.push('\n');
+            count += 1;
+            if ends || count == LONGEST_PART || features.peek().is_none() {
+                parts.push((name_of(part.as_bytes()), std::mem::take(&mut part)));
+                count = 0;
+            }
+        }
+        let names: Vec<&str> = parts.iter().map(|(name, _)| &**name).collect();
+        let name = name_of(format!("terrane features 1\n{attributes}\n{}", names.join("\n")).as_bytes());
+        StoredSet { name, attributes, parts }
+    }
+
+    /// Reads what was kept.
+    ///
+    /// # Errors
+    /// If the texts are not what [`FeatureSet::stored`] gives.
+    pub fn read(stored: &StoredSet) -> Result<Self, ReadError> {
+        let sets = Sets::parse(&stored.attributes)?;
+        let texts: Vec<&[u8]> = stored.parts.iter().map(|(_, body)| body.as_bytes()).collect();
+        let mut collection = Collection::read_lines(Texts { texts, part: 0 })?;
+        collection.sets = sets;
+        Ok(Self { collection, tree: OnceLock::new() })
+    }
+}
+
+/// A feature as one line of text.
+fn line(drawn: &Drawn) -> String {
+    serde_json::to_string(drawn).unwrap_or_default()
+}
+
+/// The name of a feature's content: 32 hex digits.
+#[must_use]
+pub fn name_of_feature(drawn: &Drawn) -> String {
+    name_of(line(drawn).as_bytes())
+}
+
+impl From<Collection> for FeatureSet {
+    /// Features that were checked already.
+    fn from(collection: Collection) -> Self {
+        Self { collection, tree: OnceLock::new() }
+    }
+}
+
+/// Texts one after the other.
+struct Texts<'a> {
+    texts: Vec<&'a [u8]>,
+    part: usize,
+}
+
+impl Read for Texts<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        while let Some(text) = self.texts.get_mut(self.part) {
+            let count = text.read(buffer)?;
+            if count > 0 || buffer.is_empty() {
+                return Ok(count);
+            }
+            self.part += 1;
+        }
+        Ok(0)
+    }
+}

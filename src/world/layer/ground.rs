@@ -1,0 +1,89 @@
+//! The terrain of a layer, whatever its source.
+
+use crate::{
+    geometry::{Rectangle, Window},
+    layout::{ContentHash, FieldKind, FieldSurface, Layout, LayoutSurface, Scatter, Selection, geojson::FeatureSet},
+};
+use std::sync::Arc;
+
+/// The terrain of a layer.
+#[derive(Clone, Debug)]
+pub(super) enum Ground {
+    /// Features in their places.
+    Layout {
+        layout: Arc<Layout>,
+        /// Whether what is below the layer is the base of the merge.
+        over_base: bool,
+        /// The features that generators made, as they would be drawn.
+        generated: Arc<FeatureSet>,
+    },
+    /// Features without end.
+    Scatter(Arc<Scatter>),
+}
+
+/// The number of a material field, if there is one.
+fn material(layout: &Layout) -> Option<(usize, &[Box<str>])> {
+    layout.fields().iter().enumerate().find_map(|(i, field)| match &field.kind {
+        FieldKind::Names(names) if *field.name == *"material" => Some((i, &**names)),
+        _ => None,
+    })
+}
+
+impl Ground {
+    /// What it is beside its features.
+    pub(super) fn form(&self) -> String {
+        match self {
+            Self::Layout { layout, over_base, .. } => format!("layout {over_base} {:?}", layout.options()),
+            Self::Scatter(_) => "scatter".to_owned(),
+        }
+    }
+
+    /// The materials it knows of, in lexical order.
+    pub(super) fn materials(&self) -> &[Box<str>] {
+        match self {
+            Self::Layout { layout, .. } => material(layout).map_or(&[], |(_, names)| names),
+            Self::Scatter(scatter) => scatter.materials(),
+        }
+    }
+
+    /// The name of what can change terrain in an area; `None` if nothing can.
+    pub(super) fn content_in(&self, area: &Rectangle) -> Option<ContentHash> {
+        match self {
+            Self::Layout { layout, .. } => layout.content_in(area),
+            Self::Scatter(scatter) => Some(scatter.content()),
+        }
+    }
+
+    /// Whether anything can change terrain in an area.
+    pub(super) fn reaches(&self, area: &Rectangle) -> bool {
+        match self {
+            Self::Layout { layout, .. } => layout.reaches(area),
+            Self::Scatter(_) => true,
+        }
+    }
+
+    /// The predicted time to evaluate a window on one thread, in nanoseconds.
+    pub(super) fn cost_ns(&self, window: &Window) -> f64 {
+        match self {
+            Self::Layout { layout, .. } => layout.cost_ns(window),
+            Self::Scatter(scatter) => scatter.cost_ns(window),
+        }
+    }
+
+    /// The terrain over a window, with the numbers of materials if they are wanted.
+    pub(super) fn sample(&self, window: &Window, base: &[f32], [cover, materials]: [bool; 2]) -> (LayoutSurface, Vec<u16>) {
+        match self {
+            Self::Layout { layout, over_base, .. } => {
+                let fields = material(layout).filter(|_| materials).map(|(number, _)| number).into_iter().collect();
+                let selection = Selection { fields, cover, fractions: false };
+                let mut surface = layout.sample(window, over_base.then_some(base), &selection);
+                let heaviest = match surface.fields.pop() {
+                    Some(FieldSurface::Names { heaviest, .. }) => heaviest,
+                    _ => vec![0; if materials { window.samples() } else { 0 }],
+                };
+                (surface, heaviest)
+            }
+            Self::Scatter(scatter) => scatter.sample(window, base, [cover, materials]),
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! The items of a layout's list of features: generators, features as `GeoJSON`, and stored sets of features.
+
+use super::{
+    Setting,
+    generator::{Made, Seeded, problem},
+};
+use crate::{
+    layout::{
+        Feature,
+        geojson::{Collection, FeatureSet, Sets},
+    },
+    world::problem::{Checks, whole_numbers},
+};
+use serde_json::{Value, json};
+use std::{collections::BTreeMap, sync::Arc};
+
+/// Stored sets of features by name: what a document that names them is read with.
+#[derive(Clone, Debug, Default)]
+pub struct FeatureSets(BTreeMap<String, Arc<FeatureSet>>);
+
+impl FeatureSets {
+    /// The names of all sets that a document names, whether or not it is one otherwise.
+    #[must_use]
+    pub fn named_in(json: &[u8]) -> Vec<String> {
+        let document: Value = serde_json::from_slice(json).unwrap_or_default();
+        let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
+        let items = list(&document["layers"]).into_iter().flat_map(|layer| list(&layer["source"]["layout"]["features"]));
+        items.filter_map(|item| item["set"].as_str().map(str::to_owned)).collect()
+    }
+
+    /// Adds a set.
+    pub fn insert(&mut self, name: String, set: Arc<FeatureSet>) {
+        self.0.insert(name, set);
+    }
+}
+
+/// An item of the list.
+pub(super) enum Item {
+    Generated(Seeded),
+    Inline(Arc<FeatureSet>),
+    Stored(String, Arc<FeatureSet>),
+}
+
+impl Item {
+    /// Reads what stands at a pointer; problems are added to the checks.
+    pub(super) fn read(item: &str, at: &str, sets: &Sets, setting: &Setting, checks: &mut Checks) -> Option<Self> {
+        let value: Value = serde_json::from_str(item).ok()?;
+        if value.get("generate").is_some() {
+            return Seeded::read(whole_numbers(value), at, setting, checks).map(Self::Generated);
+        }
+        if let Some(set) = value.get("set") {
+            return Self::stored(&value, set, at, setting, checks);
+        }
+        if value.get("type").is_none() {
+            checks.add(at, "expected {\"generate\": …}, {\"set\": …}, or a GeoJSON Feature or FeatureCollection");
+            return None;
+        }
+        let read = Collection::parse(item).and_then(|collection| collection.check(sets).map(|()| collection));
+        match read {
+            Ok(collection) => Some(Self::Inline(Arc::new(collection.into()))),
+            Err(error) => {
+                checks.geojson(at, error);
+                None
+            }
+        }
+    }
+
+    fn stored(value: &Value, set: &Value, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Self> {
+        if value.as_object().is_some_and(|members| members.len() > 1) {
+            checks.add(at, "beside set there is no other member");
+        }
+        let name = set.as_str().unwrap_or_default();
+        let Some(set) = setting.sets.0.get(name) else {
+            checks.add(&format!("{at}/set"), format!("no set of features is stored as {name:?}: it is made by changing a world's features"));
+            return None;
+        };
+        Some(Self::Stored(name.to_owned(), Arc::clone(set)))
+    }
+
+    /// The completed document.
+    pub(super) fn to_json(&self) -> Value {
+        match self {
+            Self::Generated(seeded) => seeded.to_json(),
+            Self::Inline(set) => json!(set.collection()),
+            Self::Stored(name, _) => json!({"set": name}),
+        }
+    }
+
+    /// The features that somebody drew.
+    pub(super) fn drawn(&self) -> Option<&Arc<FeatureSet>> {
+        match self {
+            Self::Generated(_) => None,
+            Self::Inline(set) | Self::Stored(_, set) => Some(set),
+        }
+    }
+}
+
+/// The features of generators in a row, those cut that ridges would cross. What was drawn is left as it is.
+pub(super) fn generate(items: &[Item], sets: &Sets, at: &dyn Fn(usize) -> String, setting: &Setting, checks: &mut Checks) -> Option<Vec<Feature>> {
+    let mut made = Made::default();
+    for (i, item) in items.iter().enumerate() {
+        if let Item::Generated(seeded) = item {
+            let nested = matches!(seeded.generator, super::generator::Generator::Island(_));
+            seeded.make(&mut made, sets, setting).map_err(|error| problem(&error, &at(i), nested, checks)).ok()?;
+        }
+    }
+    made.features().map_err(|error| problem(&error, &at(0), false, checks)).ok()
+}

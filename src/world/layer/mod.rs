@@ -1,0 +1,213 @@
+//! What lies above the base: layers, each a source of terrain with a way to lie over what is below.
+
+mod blend;
+mod generator;
+mod ground;
+mod item;
+mod mask;
+mod source;
+
+pub(super) use blend::Below;
+pub use blend::Blend;
+pub use item::FeatureSets;
+pub use mask::Mask;
+
+use super::{
+    name::check_name,
+    number::whole,
+    problem::{Checks, DocumentError},
+    revision::Revision,
+};
+use crate::{
+    geometry::{PLANE_LIMIT, Rectangle, Window},
+    layout::{
+        Layout,
+        geojson::{Collection, FeatureSet, Sets},
+    },
+};
+use ground::Ground;
+use item::{Item, generate};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use source::{Completed, Drawing, WrittenSource, complete};
+use std::{collections::BTreeSet, sync::Arc};
+
+/// Most layers of a world.
+const MAX_LAYERS: usize = 64;
+
+/// Most materials of a world: what one byte a sample can tell apart, with one number for none.
+const MAX_MATERIALS: usize = 255;
+
+/// A completed layer of a world. Its terrain is made when the document is read and shared by all that read the same layer.
+#[derive(Clone, Debug, Serialize)]
+pub struct Layer {
+    /// Its name, like none of the others.
+    pub name: String,
+    /// Where its terrain comes from, as completed JSON.
+    pub source: serde_json::Value,
+    /// How it lies over what is below.
+    pub blend: Blend,
+    /// Layers are evaluated in ascending priority, of equal priority in their order.
+    pub priority: i32,
+    /// Where it shows; everywhere without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mask: Option<Mask>,
+    /// Metres inside the mask's border over which the layer comes up to its full strength.
+    #[serde(serialize_with = "whole")]
+    pub fade: f64,
+    #[serde(skip)]
+    ground: Ground,
+    #[serde(skip)]
+    features: Drawing,
+    /// The name of all that the document says of the layer but the features.
+    #[serde(skip)]
+    form: Revision,
+}
+
+impl PartialEq for Layer {
+    fn eq(&self, other: &Self) -> bool {
+        let of = |layer: &Self| (layer.name.clone(), layer.source.clone(), layer.blend, layer.priority, layer.mask.clone(), layer.fade.to_bits());
+        of(self) == of(other)
+    }
+}
+
+/// A layer as users write it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WrittenLayer<'a> {
+    name: String,
+    #[serde(borrow)]
+    source: WrittenSource<'a>,
+    blend: Option<Blend>,
+    priority: Option<i32>,
+    mask: Option<Mask>,
+    fade: Option<f64>,
+}
+
+/// What layers need to know of their world.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Setting<'a> {
+    pub seed: u64,
+    pub sea_level: f64,
+    /// Stored sets of features that it may name.
+    pub sets: &'a FeatureSets,
+}
+
+impl WrittenLayer<'_> {
+    fn complete(self, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Layer> {
+        let before = checks.0.len();
+        if let Err(detail) = check_name("a layer's name", &self.name) {
+            checks.add(&format!("{at}/name"), detail);
+        }
+        let fade = self.fade.unwrap_or(0.0);
+        checks.range(&format!("{at}/fade"), fade, 0.0, PLANE_LIMIT);
+        if let Some(mask) = &self.mask
+            && let Err(detail) = mask.check()
+        {
+            checks.add(&format!("{at}/mask/polygon"), detail);
+        }
+        let Completed { source, ground, features } = complete(self.source, &format!("{at}/source"), setting, checks)?;
+        let (blend, priority) = (self.blend.unwrap_or_default(), self.priority.unwrap_or(0));
+        let form = Revision::of(&(blend, &self.mask, fade, ground.form()));
+        (checks.0.len() == before).then_some(Layer { name: self.name, source, blend, priority, mask: self.mask, fade, ground, features, form })
+    }
+}
+
+/// Checks and completes the layers of a document.
+pub(super) fn layers(written: Vec<WrittenLayer>, setting: &Setting, checks: &mut Checks) -> Vec<Layer> {
+    if written.len() > MAX_LAYERS {
+        checks.add("/layers", format!("must be at most {MAX_LAYERS} layers, got {}", written.len()));
+        return Vec::new();
+    }
+    let mut names = BTreeSet::new();
+    let mut layers = Vec::new();
+    for (i, layer) in written.into_iter().enumerate() {
+        let at = format!("/layers/{i}");
+        if !names.insert(layer.name.clone()) {
+            checks.add(&format!("{at}/name"), format!("{:?} is the name of another layer", layer.name));
+        }
+        layers.extend(layer.complete(&at, setting, checks));
+    }
+    let materials = materials(&layers).len();
+    if materials > MAX_MATERIALS {
+        checks.add("/layers", format!("all layers together may name {MAX_MATERIALS} materials, these name {materials}"));
+    }
+    layers
+}
+
+/// The materials that layers know of, in lexical order.
+pub(super) fn materials(layers: &[Layer]) -> Vec<Box<str>> {
+    let all: BTreeSet<Box<str>> = layers.iter().flat_map(|layer| layer.ground.materials().iter().cloned()).collect();
+    all.into_iter().collect()
+}
+
+/// Makes the features of generators, `{"generate": …}` or a list of such items, as they would be drawn.
+pub(super) fn generated(json: &[u8], setting: &Setting) -> Result<Collection, DocumentError> {
+    let value: Value = serde_json::from_slice(json).map_err(|error| DocumentError::Syntax(error.to_string()))?;
+    let (items, list) = if let Value::Array(items) = value { (items, true) } else { (vec![value], false) };
+    let mut checks = Checks(Vec::new());
+    let at = |i: usize| if list { format!("/{i}") } else { String::new() };
+    let mut seeded = Vec::new();
+    for (i, item) in items.into_iter().enumerate() {
+        if item.get("generate").is_none() {
+            checks.add(&at(i), "expected {\"generate\": …}");
+        } else {
+            seeded.extend(Item::read(&item.to_string(), &at(i), &Sets::default(), setting, &mut checks));
+        }
+    }
+    let features = if checks.0.is_empty() { generate(&seeded, &Sets::default(), &at, setting, &mut checks) } else { None };
+    let collection = features.and_then(|features| Collection::of(&features));
+    collection.ok_or(DocumentError::Invalid(checks.0))
+}
+
+impl Layer {
+    /// The sets of attributes that its features share.
+    #[must_use]
+    pub fn attributes(&self) -> &Sets {
+        &self.features.attributes
+    }
+
+    /// The first stored set of features that it names, and which item of its list names it.
+    #[must_use]
+    pub fn stored(&self) -> Option<(usize, &Arc<FeatureSet>)> {
+        self.features.stored.as_ref().map(|(i, set)| (*i, set))
+    }
+
+    /// All its features as they were drawn, and those that generators made. Features without end are not among them.
+    pub fn drawn(&self) -> impl Iterator<Item = &Arc<FeatureSet>> + '_ {
+        let generated = match &self.ground {
+            Ground::Layout { generated, .. } => Some(generated),
+            Ground::Scatter(_) => None,
+        };
+        self.features.drawn.iter().chain(generated)
+    }
+
+    /// The islands of a layer without end that samples so far apart show in an area; none where they would be many.
+    #[must_use]
+    pub fn islands(&self, area: &Rectangle, spacing: f64) -> Vec<Arc<Layout>> {
+        match &self.ground {
+            Ground::Layout { .. } => Vec::new(),
+            Ground::Scatter(scatter) => scatter.islands(area, spacing),
+        }
+    }
+
+    /// Of each of its own numbers of materials, that in a list of all.
+    pub(super) fn numbers(&self, all: &[Box<str>]) -> Vec<u16> {
+        let number = |name: &Box<str>| all.partition_point(|known| known < name) as u16 + 1;
+        [0].into_iter().chain(self.ground.materials().iter().map(number)).collect()
+    }
+
+    /// The predicted time to evaluate a window on one thread, in nanoseconds.
+    pub(super) fn cost_ns(&self, window: &Window) -> f64 {
+        if self.mask.as_ref().is_some_and(|mask| !mask.bounds().meets(&window.bounds())) { 0.0 } else { self.ground.cost_ns(window) }
+    }
+
+    /// What can change terrain in an area; `None` if nothing of the layer reaches it.
+    pub(super) fn content_in(&self, area: &Rectangle) -> Option<String> {
+        if self.mask.as_ref().is_some_and(|mask| !mask.bounds().meets(area)) {
+            return None;
+        }
+        let features: String = self.ground.content_in(area)?.0.iter().map(|byte| format!("{byte:02x}")).collect();
+        Some(format!("layer {} {features}", self.form))
+    }
+}
