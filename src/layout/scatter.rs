@@ -8,6 +8,7 @@
 //! means of the whole layer, and no cell is asked at all.
 
 mod far;
+mod output;
 
 use super::{
     ContentHash, FieldSurface, Layout, LayoutSurface, Options, Selection,
@@ -19,6 +20,7 @@ use crate::{
 };
 use far::Far;
 use lru::LruCache;
+use output::{Output, Sample};
 use sha2::{Digest, Sha256};
 use std::{
     num::NonZeroUsize,
@@ -134,7 +136,6 @@ impl Scatter {
     /// # Errors
     /// An option or a parameter outside its range, or islands that do not fit into a cell; the place begins with `scatter.` or the generator's name.
     pub fn new(template: Island, options: ScatterOptions) -> Result<Self, GenerateError> {
-        check("scatter.cell", options.cell, 1.0..=PLANE_LIMIT / 1024.0)?;
         check("scatter.chance", options.chance, 0.0..=1.0)?;
         check("scatter.scale[0]", options.scale[0], 0.01..=100.0)?;
         check("scatter.scale[1]", options.scale[1], options.scale[0]..=100.0)?;
@@ -199,8 +200,7 @@ impl Scatter {
         island.landmass.centre = place.centre;
         let styles = Styles::for_sea(island.rivers.spacing, place.seed, self.options.sea_level)?;
         let features = island.features(place.seed, &styles)?;
-        // The styles' attributes are of the kinds that they always are, so this cannot fail.
-        Layout::new(features, Options::default()).map_err(|_| GenerateError::Seed { place: "scatter.template", index: 0, reason: "makes no layout" })
+        Layout::new(features, Options::default()).map_err(far::no_layout)
     }
 
     /// How much of each form samples of a window see, by their spacing alone.
@@ -380,53 +380,5 @@ impl Scatter {
         }
         let all = (CELLS * CELLS * SAMPLES * SAMPLES) as f64;
         far::Means { share: means.share / all, elevation: means.elevation / all, cover: means.cover / all }
-    }
-}
-
-/// What an island says at a sample.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sample {
-    elevation: f64,
-    depth: f64,
-    cover: f64,
-    /// The share that is known to be dry though its mean height lies below the sea.
-    dry: f64,
-    material: u16,
-}
-
-impl Sample {
-    fn mixed(&self, other: &Self, part: f64) -> Self {
-        let mix = |a: f64, b: f64| a + (b - a) * part;
-        Self {
-            elevation: mix(self.elevation, other.elevation),
-            depth: mix(self.depth, other.depth),
-            cover: mix(self.cover, other.cover),
-            dry: mix(self.dry, other.dry),
-            material: if part < 0.5 { self.material } else { other.material },
-        }
-    }
-}
-
-/// What is being evaluated.
-struct Output {
-    surface: LayoutSurface,
-    materials: Vec<u16>,
-    columns: usize,
-}
-
-impl Output {
-    /// Mixes a sample in.
-    fn put(&mut self, at: usize, sample: &Sample, share: f64) {
-        let mix = |out: &mut f32, to: f64| *out = (f64::from(*out) + (to - f64::from(*out)) * share) as f32;
-        let LayoutSurface { elevation, water_depth, water_cover, dry, .. } = &mut self.surface;
-        mix(&mut elevation[at], sample.elevation);
-        mix(&mut water_depth[at], sample.depth);
-        if let (Some(cover), Some(dry)) = (water_cover.get_mut(at), dry.get_mut(at)) {
-            mix(cover, sample.cover);
-            mix(dry, sample.dry);
-        }
-        if let Some(material) = self.materials.get_mut(at).filter(|_| share >= 0.5) {
-            *material = sample.material;
-        }
     }
 }

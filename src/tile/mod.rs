@@ -68,7 +68,8 @@ impl TileRequest {
             form += "\nwater's surface";
         }
         if self.tileset.wanted().materials {
-            form += &format!("\nmaterials {:?}", legend.materials);
+            form.push_str("\nmaterials");
+            legend.materials.iter().for_each(|name| form.extend([" ", &format!("{name:?}")]));
         }
         form
     }

@@ -18,6 +18,7 @@ use terrane::{
 
 const ALL: Wanted = Wanted { water: true, materials: true };
 
+#[expect(clippy::needless_pass_by_value, reason = "json! makes values")]
 fn document(layers: Value) -> String {
     json!({"seed": 5, "base": {"programme": "fbm(1, 2, 6)", "scale": 2000, "amplitude": 50, "datum": 20}, "layers": layers}).to_string()
 }
@@ -31,6 +32,7 @@ fn example(name: &str) -> World {
     World::new(Document::parse(example.json.as_bytes()).unwrap())
 }
 
+#[expect(clippy::needless_pass_by_value, reason = "json! makes values")]
 fn layer(source: Value) -> Value {
     json!([{"name": "one", "source": {"layout": source}}])
 }

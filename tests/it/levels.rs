@@ -46,7 +46,7 @@ fn step(world: &World, centre: [f64; 2], spacing: f64, side: usize) -> [f64; 2] 
 }
 
 /// What misses the promise somewhere among the steps of the test, and the most that it may, in percent. With erosion: where the coarsest valleys go, about a sixteenth
-/// of a unit a sample. Of `dunes` and `mesas` the coarsest waves and octaves go at once; `eq2` has poles at all places. Features go when samples are half as far apart as
+/// of a unit a sample. Of `dunes` and `mesas` the coarsest waves and octaves go at once; `eq2` has poles at all places. Features go where samples are about as far apart as
 /// they reach.
 const KNOWN: [(&str, f64); 16] = [
     ("alps", 3.7),

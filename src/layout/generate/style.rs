@@ -87,7 +87,8 @@ impl Styles {
         let floor = |half_width: f64| Attribute::elevation(Weight::Smooth { width: 0.08 * spacing }, 0.2 * spacing).as_channel(half_width);
         let bed = 0.003 * spacing;
         let depth = |profile: &[[f64; 2]], range: f64| Attribute::water_depth(profile, Weight::Linear, range);
-        let sea = Value::Profile([[0.0, sea_level], [4.0 * spacing, sea_level - 0.4 * spacing]].into());
+        // It also says what samples see that are too far apart for rivers and ridges: about the mean height of the land.
+        let sea = Value::Profile([-4.0, 0.0, 4.0].map(|d| [d * spacing, sea_level - 0.1 * spacing * d]).into());
         let style = |attributes: Vec<Attribute>, iterations: u8, displacement: f64, precedence: i32| -> Result<Style, GenerateError> {
             let detail = Some(Detail::new(iterations, displacement, seed)?);
             Ok(Style { attributes: Arc::new(AttributeSet::new(attributes)?), detail, precedence })
@@ -97,7 +98,7 @@ impl Styles {
         let ground = |name: &str, width: f64| Attribute::material(name, Weight::Sharp { width: width * spacing, nearest: 0.001 }, 0.5 * spacing);
         let grass = Attribute::material("grass", Weight::Linear, 0.1 * spacing);
         let coast = vec![
-            Attribute::new("elevation", sea, valley.clone(), spacing).on(Side::Outside),
+            Attribute::new("elevation", sea, valley.clone(), f64::INFINITY).on(Side::Outside),
             floor(0.0).on(Side::Edge),
             grass,
             ground("sand", 0.06).on(Side::Edge),

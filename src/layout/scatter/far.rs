@@ -1,10 +1,10 @@
 //! What an island looks like from afar: its outline and the mean height at every distance from the coast.
 
-use super::{Place, Sample, ScatterOptions};
+use super::{Place, ScatterOptions, output::Sample};
 use crate::{
     geometry::{Filter, Window, WindowError},
     layout::{
-        FieldKind, FieldSurface, Layout, Options, Selection,
+        FieldKind, FieldSurface, Layout, LayoutError, Options, Selection,
         generate::{GenerateError, Island, Styles},
     },
     noise,
@@ -63,7 +63,7 @@ impl Far {
         for number in 0..MEASURED {
             let seed = noise::key(options.seed, number);
             let layout = Layout::new(island.features(seed, styles)?, Options::default());
-            let layout = layout.map_err(|_| GenerateError::Seed { place: "scatter.template", index: 0, reason: "makes no layout" })?;
+            let layout = layout.map_err(no_layout)?;
             let surface = layout.sample(&window, None, &Selection { fractions: false, cover: false, ..layout.everything() });
             let ring = island.landmass.coarse(seed);
             let points = window.rows.coordinates().flat_map(|y| window.columns.coordinates().map(move |x| [x, y]));
@@ -94,6 +94,11 @@ impl Far {
         let index = (at.max(0.0) as usize).min(last - 1);
         self.integral[index] + (self.integral[index + 1] - self.integral[index]) * (at - index as f64)
     }
+}
+
+/// The attributes of styles are of the kinds that they always are, so this does not happen.
+pub(super) fn no_layout(_: LayoutError) -> GenerateError {
+    GenerateError::Seed { place: "scatter.template", index: 0, reason: "makes no layout" }
 }
 
 fn no_window(_: WindowError) -> GenerateError {

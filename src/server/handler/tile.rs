@@ -126,11 +126,11 @@ pub(crate) async fn get_tilejson(
 }
 
 fn materials(names: &[Box<str>]) -> Vec<MaterialSchema> {
-    let entry = |(name, id): (&Box<str>, usize)| {
+    let entry = |(name, id): (&str, usize)| {
         let [r, g, b] = tile::material_colour(name);
-        MaterialSchema { id, name: name.to_string(), colour: format!("#{r:02x}{g:02x}{b:02x}") }
+        MaterialSchema { id, name: name.to_owned(), colour: format!("#{r:02x}{g:02x}{b:02x}") }
     };
-    names.iter().zip(1..).map(entry).collect()
+    names.iter().map(|name| &**name).zip(1..).map(entry).collect()
 }
 
 /// What the layers of a vector tileset are called and hold.

@@ -23,11 +23,8 @@ pub struct Mask {
 
 fn whole_pairs<S: Serializer>(pairs: &[[f64; 2]], serializer: S) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
-    struct Whole<'a>(#[serde(serialize_with = "pair")] &'a [f64; 2]);
-    fn pair<S: Serializer>(pair: &&[f64; 2], serializer: S) -> Result<S::Ok, S::Error> {
-        whole_pair(pair, serializer)
-    }
-    serializer.collect_seq(pairs.iter().map(Whole))
+    struct Whole(#[serde(serialize_with = "whole_pair")] [f64; 2]);
+    serializer.collect_seq(pairs.iter().copied().map(Whole))
 }
 
 impl Mask {

@@ -193,8 +193,8 @@ impl Layer {
 
     /// Of each of its own numbers of materials, that in a list of all.
     pub(super) fn numbers(&self, all: &[Box<str>]) -> Vec<u16> {
-        let number = |name: &Box<str>| all.partition_point(|known| known < name) as u16 + 1;
-        [0].into_iter().chain(self.ground.materials().iter().map(number)).collect()
+        let number = |name: &str| all.partition_point(|known| **known < *name) as u16 + 1;
+        [0].into_iter().chain(self.ground.materials().iter().map(|name| number(name))).collect()
     }
 
     /// The predicted time to evaluate a window on one thread, in nanoseconds.
