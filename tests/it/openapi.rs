@@ -31,20 +31,40 @@ async fn every_described_operation_is_there() {
     let client = Client::new().await;
     let description = serde_json::to_value(terrane::server::openapi()).unwrap();
     let fill = |template: &str| {
-        let filled =
-            [("{world}", "hills"), ("{programme}", "hills"), ("{grid}", "web"), ("{tileset}", "terrarium"), ("{z}", "3"), ("{x}", "4"), ("{y}", "2.png")];
+        let filled = [
+            ("{world}", "hills"),
+            ("{programme}", "hills"),
+            ("{grid}", "web"),
+            ("{tileset}", "terrarium"),
+            ("{id}", "ridge"),
+            ("{z}", "3"),
+            ("{x}", "4"),
+            ("{y}", "2.png"),
+        ];
         filled.iter().fold(template.to_owned(), |path, (name, value)| path.replace(name, value))
     };
     let mut operations = 0;
     // Deleting last leaves the world to the others.
     for deleting in [false, true] {
-        for (template, item) in description["paths"].as_object().unwrap() {
+        let mut paths: Vec<_> = description["paths"].as_object().unwrap().iter().collect();
+        if deleting {
+            // What is in a world goes before the world.
+            paths.reverse();
+        }
+        for (template, item) in paths {
             for method in item.as_object().unwrap().keys().filter(|method| (*method == "delete") == deleting) {
                 let method: Method = method.to_uppercase().parse().unwrap();
                 let path = fill(template);
                 assert!(!path.contains('{'), "{path}: give the parameter a value here");
                 let query = if template.ends_with("/elevation") { "?x=0&y=0" } else { "" };
-                let document = if template.starts_with("/programmes") { r#"{"programme":"x"}"# } else { r#"{"seed":1,"base":{"programme":"x","scale":1}}"# };
+                let document = match template.as_str() {
+                    programme if programme.starts_with("/programmes") => r#"{"programme":"x"}"#,
+                    features if features.contains("/features") => {
+                        r#"{"type":"Feature","id":"ridge","geometry":{"type":"Point","coordinates":[0,0,5]},"properties":{"attributes":[]}}"#
+                    }
+                    generate if generate.ends_with("/generate") => r#"{"generate":"landmass","radius":1000}"#,
+                    _ => r#"{"seed":1,"base":{"programme":"x","scale":1}}"#,
+                };
                 let body = if matches!(method, Method::PUT | Method::POST) { document } else { "" };
                 let answer = client.send(method.clone(), &format!("{path}{query}"), &[], body).await;
                 assert!(answer.status.is_success(), "{method} {path}: {}", answer.status);

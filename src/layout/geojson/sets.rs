@@ -8,7 +8,10 @@ use super::{
 use crate::layout::AttributeSet;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
-use std::{collections::BTreeMap, sync::Arc};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    sync::Arc,
+};
 
 /// Most characters of a name.
 const LONGEST_NAME: usize = 63;
@@ -86,7 +89,8 @@ impl Sets {
 
     /// What to say of a name that no set has.
     pub(super) fn unknown(&self, outer: &Self, name: &str) -> String {
-        let names: Vec<&str> = self.iter().chain(outer.iter()).map(|(name, _)| name).collect();
+        let names: BTreeSet<&str> = self.iter().chain(outer.iter()).map(|(name, _)| name).collect();
+        let names: Vec<&str> = names.into_iter().collect();
         let near = near(name, &names).unwrap_or_default();
         let all = if names.is_empty() { "there are none".to_owned() } else { format!("there are {}", names[..names.len().min(20)].join(", ")) };
         format!("no set of attributes is named {name:?}; {all}{near}")

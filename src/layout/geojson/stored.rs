@@ -46,9 +46,12 @@ fn name_of(bytes: &[u8]) -> String {
     })
 }
 
-/// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo), for the ends of parts alone.
+/// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo) with the finaliser of `MurmurHash3` (A. Appleby), for the ends of parts alone.
 fn scattered(text: &[u8]) -> u64 {
-    text.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+    let hash = text.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
+    let hash = (hash ^ (hash >> 33)).wrapping_mul(0xff51_afd7_ed55_8ccd);
+    let hash = (hash ^ (hash >> 33)).wrapping_mul(0xc4ce_b9fe_1a85_ec53);
+    hash ^ (hash >> 33)
 }
 
 impl FeatureSet {

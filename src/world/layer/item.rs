@@ -71,7 +71,7 @@ impl Item {
         }
         let name = set.as_str().unwrap_or_default();
         let Some(set) = setting.sets.0.get(name) else {
-            checks.add(&format!("{at}/set"), format!("no set of features is stored as {name:?}: it is made by changing a world's features"));
+            checks.add(&format!("{at}/set"), format!("must be the hash of a stored set of features, which changing a world's features makes; got {name:?}"));
             return None;
         };
         Some(Self::Stored(name.to_owned(), Arc::clone(set)))
