@@ -14,7 +14,7 @@ async fn a_new_server_has_the_example_worlds_with_their_tilesets() {
     assert_eq!(names, ["alps", "archipelago", "archipelago-endless", "dunes", "eq2", "hills", "mesas", "ridges-and-rivers", "ridges-rivers-and-lakes"]);
     assert_eq!(worlds[0]["title"], "Alps");
     assert_eq!(worlds[0]["tilesets"][0], json!({"grid": "web", "tileset": "terrarium", "tilejson": "http://localhost:8080/worlds/alps/web/terrarium"}));
-    assert_eq!(worlds[0]["tilesets"].as_array().unwrap().len(), 14);
+    assert_eq!(worlds[0]["tilesets"].as_array().unwrap().len(), 18);
     let list = client.get("/worlds").await.json();
     assert_eq!(list["worlds"][5]["revision"], worlds[5]["revision"]);
     assert!(list["worlds"][5].get("tilesets").is_none());
@@ -129,7 +129,7 @@ async fn wrong_requests_are_told_what_would_be_right() {
         ("/worlds/alps/mercator/terrarium/1/0/0.png", "404 grid: no grid is named \"mercator\"; there are web, metric"),
         (
             "/worlds/alps/web/terrain/1/0/0.png",
-            "404 tileset: no tileset is named \"terrain\"; there are terrarium, terrain-rgb, r32, hillshade, water, materials, relief",
+            "404 tileset: no tileset is named \"terrain\"; there are terrarium, terrain-rgb, r32, hillshade, water, materials, relief, contours, features",
         ),
         ("/worlds/alps/web/terrarium/31/0/0.png", "404 z: zoom must be 0 … 30, got 31"),
         ("/worlds/alps/web/terrarium/-1/0/0.png", "404 z: zoom must be 0 … 30, got -1"),

@@ -83,7 +83,7 @@ fn every_problem_of_a_layer_is_named_with_its_place() {
     check(one(json!({"generate": "island", "seed": -1})), &[&format!("{at}/features/0/seed: expected a whole number")]);
     check(one(json!({"generate": "island", "styles": {"land": "none"}})), &[&format!("{at}/features/0")]);
     check(one(json!({"set": "0".repeat(32)})), &[&format!("{at}/features/0/set: must be the hash")]);
-    check(one(json!(7)), &[&format!("{at}/features/0: must be a GeoJSON")]);
+    check(one(json!(7)), &[&format!("{at}/features/0: expected {{\"generate\": …}}, {{\"set\": …}}, or a GeoJSON")]);
     check(layer(json!({})), &[&format!("{at}: a layout has either features or scatter")]);
     check(layer(json!({"features": [], "depth": 1})), &[&format!("{at}/depth: unknown field `depth`")]);
     let scatter = |change: Value| {
