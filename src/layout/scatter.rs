@@ -235,7 +235,7 @@ impl Scatter {
         (self.runs(window.rows.coordinates()).len() * self.runs(window.columns.coordinates()).len()) as u64
     }
 
-    /// The islands whose cells meet an area, where filtered samples so far apart show them as they are; none where they would be more than [`MOST_ISLANDS`].
+    /// The islands whose cells meet an area, where filtered samples so far apart show them as they are; none where they would be more than 16.
     #[must_use]
     pub fn islands(&self, area: &Rectangle, spacing: f64) -> Vec<Arc<Layout>> {
         let cells = |axis: usize| [area.min[axis], area.max[axis]].map(|c| (c / self.options.cell).floor() as i64);

@@ -196,7 +196,7 @@ fn octave_ns(basis: Basis, way: Way, samples: f64) -> f64 {
                 Feature::F4 => 2.2,
             };
             let metric = match metric {
-                Metric::Minkowski { exponent } if exponent == 0.5 => 2.0,
+                Metric::Minkowski { exponent: 0.5 } => 2.0,
                 Metric::Minkowski { .. } => 3.8,
                 _ => 1.0,
             };
@@ -222,14 +222,13 @@ fn shape_ns(shape: Shape, [gauss_ns, other_ns]: [f64; 2]) -> f64 {
 fn step_ns(step: Step) -> f64 {
     match step {
         Step::Unary(Unary::Negative | Unary::Abs, _) => 0.15,
-        Step::Unary(Unary::Sqrt, _) => 1.1,
+        Step::Unary(Unary::Sqrt, _) | Step::Terrace(..) | Step::TerraceSlope(..) => 1.1,
         // Five times that for angles beyond 2^17, which are rare.
         Step::Unary(Unary::Sin | Unary::Cos | Unary::Tan, _) => 6.0,
         Step::Unary(Unary::Atan, _) => 5.4,
         Step::Unary(Unary::Log, _) => 4.1,
         Step::Binary(Binary::Power, ..) => 39.0,
         Step::Binary(Binary::Divide | Binary::Mod, ..) => 0.45,
-        Step::Terrace(..) | Step::TerraceSlope(..) => 1.1,
         Step::Binary(..) => 0.2,
         Step::Select(..) | Step::Number(_) | Step::Coordinate(..) => 0.3,
         Step::Shape(..) | Step::ShapeSlope(..) | Step::Noise(..) | Step::NoiseSlope(..) | Step::Erosion(..) => 0.0,

@@ -31,8 +31,8 @@ pub(super) fn style(live: &Live, tiles: impl Fn(Tileset) -> String, max_zoom: u8
         ],
     });
     let mut overlays = vec![
-        line("contours", json!(["!", ["get", "index"]]), "rgba(92, 62, 30, 0.45)", 0.6),
-        line("contours", json!(["get", "index"]), "rgba(92, 62, 30, 0.75)", 1.2),
+        line("contours", &json!(["!", ["get", "index"]]), "rgba(92, 62, 30, 0.45)", 0.6),
+        line("contours", &json!(["get", "index"]), "rgba(92, 62, 30, 0.75)", 1.2),
     ];
     if !document.layers.is_empty() {
         style["sources"]["features"] = vector(Tileset::Features);
@@ -49,7 +49,7 @@ pub(super) fn style(live: &Live, tiles: impl Fn(Tileset) -> String, max_zoom: u8
     style
 }
 
-fn line(source: &str, filter: Value, colour: &str, width: f64) -> Value {
+fn line(source: &str, filter: &Value, colour: &str, width: f64) -> Value {
     let layer = if source == "contours" { "contours" } else { "lines" };
     json!({
         "type": "line", "source": source, "source-layer": layer, "filter": filter,
@@ -61,11 +61,11 @@ fn line(source: &str, filter: Value, colour: &str, width: f64) -> Value {
 fn features() -> [Value; 5] {
     let colour = json!(["case", ["==", ["get", "water"], true], "#1663b5", "#b3261e"]);
     let areas = json!({"type": "fill", "source": "features", "source-layer": "areas", "layout": {}, "paint": {"fill-color": colour, "fill-opacity": 0.12}});
-    let mut borders = line("features", json!(true), "", 1.0);
+    let mut borders = line("features", &json!(true), "", 1.0);
     borders["source-layer"] = json!("areas");
     borders["paint"]["line-color"] = colour.clone();
-    let dry = line("features", json!(["!=", ["get", "water"], true]), "#b3261e", 1.4);
-    let wet = line("features", json!(["==", ["get", "water"], true]), "#1663b5", 1.4);
+    let dry = line("features", &json!(["!=", ["get", "water"], true]), "#b3261e", 1.4);
+    let wet = line("features", &json!(["==", ["get", "water"], true]), "#1663b5", 1.4);
     let points = json!({
         "type": "circle", "source": "features", "source-layer": "points", "layout": {},
         "paint": {"circle-color": colour, "circle-radius": 4, "circle-stroke-color": "#ffffff", "circle-stroke-width": 1.2},

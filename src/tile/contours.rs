@@ -256,7 +256,7 @@ mod tests {
 
     #[test]
     fn cliffs_without_end_are_drawn_coarser() {
-        let rows = |i: usize| if (i + i / 265) % 2 == 0 { 0.0 } else { 30_000.0 };
+        let rows = |i: usize| if (i + i / 265).is_multiple_of(2) { 0.0 } else { 30_000.0 };
         let surface = Surface { columns: 265, rows: 265, elevation: (0..265 * 265).map(rows).collect(), ..Surface::default() };
         let lines = tests::read(&super::draw(&surface, 1.0));
         assert!(!lines.is_empty() && lines.len() < 10, "{}", lines.len());

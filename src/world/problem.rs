@@ -85,7 +85,7 @@ impl Checks {
         }
     }
 
-    /// Problems of GeoJSON that stands at a pointer.
+    /// Problems of `GeoJSON` that stands at a pointer.
     pub(super) fn geojson(&mut self, at: &str, error: ReadError) {
         let problems: Vec<geojson::Problem> = error.into();
         self.0.extend(problems.into_iter().map(|problem| Problem::new(format!("{at}{}", problem.pointer), problem.detail)));
