@@ -89,7 +89,7 @@ impl Shown {
 /// Loads the library; what ships with this version and was never there comes first.
 pub(super) async fn load(store: Store, compute: Arc<Compute>, sets: Arc<StoredSets>) -> Result<Shelf<Shown>, LoadError> {
     for preset in PRESETS {
-        store.ship(preset.name, shipped::<Shown>(&compute, preset.name, preset.json).await?).await?;
+        store.ship(preset.name, shipped::<Shown>(&compute, preset.name, preset.json).await?.0).await?;
     }
     Shelf::load(store, compute, sets).await
 }

@@ -173,9 +173,9 @@ impl<T: Shelved> Shelf<T> {
     }
 }
 
-/// Reads what ships with the program, on the compute pool.
-pub(super) async fn shipped<T: Shelved>(compute: &Compute, name: &'static str, json: &'static str) -> Result<Content, LoadError> {
-    compute.run(move || parse::<T>(name, json, &FeatureSets::default()).map(|document| T::content(&document))).await?
+/// Reads what ships with the program, on the compute pool. As long as the document is kept, what it took long to make is not made again.
+pub(super) async fn shipped<T: Shelved>(compute: &Compute, name: &'static str, json: &'static str) -> Result<(Content, T::Document), LoadError> {
+    compute.run(move || parse::<T>(name, json, &FeatureSets::default()).map(|document| (T::content(&document), document))).await?
 }
 
 fn parse<T: Shelved>(name: &str, body: &str, sets: &FeatureSets) -> Result<T::Document, LoadError> {

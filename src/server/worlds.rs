@@ -83,9 +83,12 @@ pub(super) struct Worlds {
 impl Worlds {
     /// Loads every world; a store that never held any gets the examples first.
     pub(super) async fn load(store: Store, compute: Arc<Compute>, sets: Arc<StoredSets>, old_revisions: NonZeroUsize) -> Result<Self, LoadError> {
+        let mut documents = Vec::new();
         if store.is_empty(Kind::World).await? {
             for example in EXAMPLES {
-                store.save(example.name, shipped::<Live>(&compute, example.name, example.json).await?, &Condition::Any).await?;
+                let (content, document) = shipped::<Live>(&compute, example.name, example.json).await?;
+                store.save(example.name, content, &Condition::Any).await?;
+                documents.push(document);
             }
         }
         Ok(Self { shelf: Shelf::load(store, compute, sets).await?, old: Mutex::new(LruCache::new(old_revisions)) })

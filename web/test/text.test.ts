@@ -21,9 +21,10 @@ test('a link restores world, place and view', () => {
     camera: { lon: 12.345678, lat: -45.678901, zoom: 14.25, bearing: -30.5, pitch: 62 },
     tilted: true,
     exaggeration: 2,
+    overlays: ['contours' as const],
   };
   const text = formatLink(link);
-  assert.equal(text, '#world=alps&at=12.345678,-45.678901&zoom=14.25&bearing=-30.5&pitch=62&view=3d&height=2');
+  assert.equal(text, '#world=alps&at=12.345678,-45.678901&zoom=14.25&bearing=-30.5&pitch=62&view=3d&height=2&show=contours');
   assert.deepEqual(parseLink(text), link);
 });
 
@@ -37,9 +38,10 @@ test('a link is as precise as a tenth of a pixel', () => {
 });
 
 test('a mangled link still opens something', () => {
-  const plain = { tilted: false, exaggeration: EXAGGERATION.default };
+  const plain = { tilted: false, exaggeration: EXAGGERATION.default, overlays: [] };
   assert.deepEqual(parseLink(''), plain);
   assert.deepEqual(parseLink('#map'), plain);
+  assert.deepEqual(parseLink('#show=roads,features'), { ...plain, overlays: ['features'] });
   assert.deepEqual(parseLink('#world=../etc&at=1&zoom=x&height=99'), { ...plain, exaggeration: EXAGGERATION.max });
   assert.deepEqual(parseLink('#at=999,-999&zoom=99&pitch=45').camera, {
     lon: 180, lat: -85.051129, zoom: 24, bearing: 0, pitch: 0,

@@ -1,7 +1,7 @@
 //! Tiles and what describes them.
 
 use crate::{
-    geometry::{Grid, Source, to_lon_lat},
+    geometry::{Filter, Grid, Source, to_lon_lat},
     server::{
         error::ApiError,
         extract::{Known, PublicUrl, TilePath, TilesetPath, WorldAt},
@@ -70,8 +70,9 @@ pub(crate) async fn get_tile(
     let cost_ns = live.world.cost_ns(&window);
     if cost_ns > MOST_TILE_NS {
         let (spacing, seconds) = (window.spacing(), cost_ns / 1e9);
-        let detail = format!("exact samples {spacing} m apart would take this world about {seconds:.0} s a tile: ask for filter=band or a finer zoom");
-        return Err(ApiError::parameter("filter", detail));
+        let instead = if request.filter == Filter::Exact { "filter=band" } else { "fewer samples" };
+        let detail = format!("samples {spacing} m apart would take this world about {seconds:.0} s a tile: ask for {instead} or a finer zoom");
+        return Err(ApiError::parameter(if request.filter == Filter::Exact { "filter" } else { "tile" }, detail));
     }
     let bytes = app
         .0
