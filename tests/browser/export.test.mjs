@@ -160,7 +160,9 @@ test('the example worlds are the same in metres, by every function that a shader
   const [west, north] = metres(NEAR, 0);
   const number = (value) => value.toFixed(4);
   for (const name of examples) {
-    const { base: { scale, origin, amplitude, datum }, elevation: { min, max } } = await server.get(`worlds/${name}`);
+    const { base: { scale, origin, amplitude, datum }, elevation: { min, max }, layers } = await server.get(`worlds/${name}`);
+    // A shader is the world's base; what lies over it is on the server alone.
+    if (layers.length > 0) continue;
     const want = await heights(name, NEAR);
     const source = await text(`worlds/${name}/shader.glsl`);
     const units = `(vec2(metres) - vec2(${origin.map(number)})) / ${number(scale)}`;
