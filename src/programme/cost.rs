@@ -16,7 +16,8 @@ use crate::{
 pub const COST_LIMIT_NS: f64 = 4_000.0;
 
 impl Tape {
-    /// The predicted cost of a sample in nanoseconds, on one thread, of about `count` samples of a square, `spacing` programme units apart.
+    /// The predicted cost of a sample in nanoseconds, on one thread, of about `count` samples of a square, `spacing` programme units apart. What an erosion finds
+    /// around the square is shared by all of them.
     ///
     /// The constants were measured on AVX2 (the reference): whatever the machine, the prediction is the same.
     #[must_use]
@@ -136,7 +137,7 @@ const LINKS_NS: f64 = 25.0;
 /// How much farther apart samples are whose places are moved.
 const WARPED: f64 = 2.0;
 
-/// What they cost at places that have few neighbours around the same nodes.
+/// What the links of each coarser lattice cost at a node of a finer one: few samples there share a corner.
 const SCATTERED_NS: f64 = 70.0;
 
 /// What finding a node's link costs, for every cell that it may span.
@@ -160,7 +161,7 @@ fn octaves_ns(noise: &Noise, way: Way, Samples { spacing, n, filter, .. }: Sampl
         FieldShape::Ridged { .. } | FieldShape::Hybrid { .. } => 0.25,
         _ => 0.05,
     };
-    // Cells in parts of samples, and in what octaves are filtered for.
+    // Parts of samples along a cell, and how many there would be of what octaves are filtered for.
     let (mut parts, mut samples, mut sum) = (n as f64 / spacing, 1.0 / sampling::detail(spacing, n), 0.5);
     for _ in 0..noise.shape.octaves() {
         if filter == Filter::Exact || samples > 2.0 {

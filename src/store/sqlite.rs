@@ -28,14 +28,19 @@ pub enum Condition {
 }
 
 impl Condition {
-    fn check(&self, kind: Kind, head: Option<&str>) -> Result<(), StoreError> {
-        let holds = match self {
+    /// Whether it holds for what is at a revision, or is not there.
+    #[must_use]
+    pub fn holds(&self, head: Option<&str>) -> bool {
+        match self {
             Condition::Any => true,
             Condition::Absent => head.is_none(),
             Condition::Present => head.is_some(),
             Condition::At(revisions) => head.is_some_and(|head| revisions.iter().any(|revision| revision == head)),
-        };
-        if holds { Ok(()) } else { Err(StoreError::Condition { kind, revision: head.map(str::to_owned) }) }
+        }
+    }
+
+    fn check(&self, kind: Kind, head: Option<&str>) -> Result<(), StoreError> {
+        if self.holds(head) { Ok(()) } else { Err(StoreError::Condition { kind, revision: head.map(str::to_owned) }) }
     }
 }
 

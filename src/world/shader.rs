@@ -4,10 +4,10 @@ use super::World;
 use crate::programme::{Frame, Ground, ShaderError, ShaderLanguage};
 
 impl World {
-    /// Source text that computes the base's elevations: see [`crate::programme::Programme::to_shader`].
+    /// Source text that computes the base's elevations, in metres, without the layers over it: see [`crate::programme::Programme::to_shader`].
     ///
     /// # Errors
-    /// If the programme has too many steps for a shader.
+    /// If the programme has too many steps for a shader, or uses erosion.
     pub fn shader(&self, language: ShaderLanguage) -> Result<String, ShaderError> {
         let document = self.document();
         let base = &document.base;

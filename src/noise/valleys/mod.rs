@@ -251,6 +251,7 @@ impl Valleys {
         for number in 0..self.levels.len() {
             carve(self.isa, &mut self.levels[..=number], terrain, us, vs, [heights, &mut lowering], self.parts[number]);
         }
+        // A part alone may be the last.
         let swings = self.swings.map_or([1.0; SIDE], |swings| core::array::from_fn(|i| swings[(part + i) % swings.len()]));
         self.isa.run(Lower { before: &before, lowering: &lowering, strength: self.strength, swings, floor: self.floor, heights });
         self.scratch = [before, lowering];

@@ -57,13 +57,7 @@ const MOST_IDS: usize = 1000;
 
 /// Checks a condition against what there is.
 fn check(condition: &Condition, what: &str, tag: Option<&str>) -> Result<(), ApiError> {
-    let holds = match condition {
-        Condition::Any => true,
-        Condition::Absent => tag.is_none(),
-        Condition::Present => tag.is_some(),
-        Condition::At(tags) => tag.is_some_and(|tag| tags.iter().any(|known| known == tag)),
-    };
-    if holds {
+    if condition.holds(tag) {
         return Ok(());
     }
     let state = tag.map_or_else(|| "absent".to_owned(), |tag| format!("at {tag}"));
