@@ -46,7 +46,7 @@ pub use lanes::Lanes;
 pub use moments::Moments;
 pub use rows::Rows;
 pub use shape::FieldShape;
-pub use valleys::{Erosion, Lattice, Stead, Terrain, Valleys};
+pub use valleys::{Erosion, Fading, Lattice, Networks, Stead, Terrain, Valleys};
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -3,17 +3,17 @@
 use super::{
     graph::{Noise, Step},
     operation::{Binary, Unary},
-    sampling,
+    sampling::{self, Sampling},
     shape::Shape,
     tape::{Instruction, Points, Tape},
 };
 use crate::{
     geometry::Filter,
-    noise::{Basis, Feature, FieldShape, Lattice, Metric, SIDE},
+    noise::{Basis, Fading, Feature, FieldShape, Lattice, Metric, SIDE},
 };
 
 /// The greatest predicted cost of a programme, in nanoseconds a sample.
-pub const COST_LIMIT_NS: f64 = 4_000.0;
+pub const COST_LIMIT_NS: f64 = 6_500.0;
 
 impl Tape {
     /// The predicted cost of a sample in nanoseconds, on one thread, of about `count` samples of a square, `spacing` programme units apart. What an erosion finds
@@ -23,12 +23,13 @@ impl Tape {
     #[must_use]
     pub fn cost_ns(&self, spacing: f64, filter: Filter, count: usize) -> f64 {
         let carried = if filter == Filter::Band { spacing } else { 0.0 };
-        self.parts_ns(Samples { spacing, n: self.subsamples(carried), filter, side: (count.max(1) as f64).sqrt() })
+        let Sampling { n, fading } = self.sampling(carried);
+        self.parts_ns(Samples { spacing, n, filter, fading, side: (count.max(1) as f64).sqrt() })
     }
 
-    /// The predicted cost of a sample of a tile that is the mean of n × n parts.
-    pub(super) fn tile_parts_ns(&self, spacing: f64, n: usize) -> f64 {
-        self.parts_ns(Samples { spacing, n, filter: Filter::Band, side: TILE })
+    /// The predicted cost of a sample of a tile.
+    pub(super) fn tile_ns(&self, Sampling { n, fading }: Sampling) -> f64 {
+        self.parts_ns(Samples { spacing: fading.spacing, n, filter: Filter::Band, fading, side: TILE })
     }
 
     fn parts_ns(&self, samples: Samples) -> f64 {
@@ -65,22 +66,33 @@ impl Tape {
             Instruction::Rows { rows, .. } => noise(self.noise_rows[rows].0, Way::Rows),
             Instruction::Noise { noise: of, .. } => noise(of, Way::Points),
             Instruction::Slopes { noise: of, .. } => SLOPES * noise(of, Way::Points),
-            Instruction::Erosion { erosion, at: Points::Grid(_), .. } => self.erosion_ns(erosion, samples, 1.0),
-            // Wherever that is, it is farther from sample to sample.
-            Instruction::Erosion { erosion, .. } => self.erosion_ns(erosion, samples, WARPED),
+            Instruction::Erosion { erosion, at, .. } => self.erosion_ns(erosion, at, samples),
             Instruction::Step { step: Step::Shape(shape, _), .. } => shape_ns(self.graph.shapes[shape], [6.0, 1.2]),
             Instruction::Step { step: Step::ShapeSlope(shape, ..), .. } => shape_ns(self.graph.shapes[shape], [20.0, 5.0]),
             Instruction::Step { step, .. } => step_ns(step),
         }
     }
 
-    /// Links for every sample; and nodes, shared by the samples of a cell and found around the window too, where the terrain is asked for their heights. Samples are
-    /// `stretch` spacings apart.
-    fn erosion_ns(&self, erosion: usize, samples: Samples, stretch: f64) -> f64 {
-        let Samples { spacing, n, filter, side } = samples;
+    /// Lattices whose nodes an erosion finds at the same places before another does.
+    fn found_before(&self, erosion: usize, at: Points) -> usize {
+        let eroded = &self.graph.erosions;
+        let before = self.samples.iter().filter_map(|instruction| match *instruction {
+            Instruction::Erosion { erosion: other, at: there, .. } if there == at => Some(other),
+            _ => None,
+        });
+        let before = before.take_while(|&other| other != erosion).filter(|&other| eroded[other].networks == eroded[erosion].networks);
+        before.map(|other| eroded[other].erosion.lattices().count()).max().unwrap_or(0)
+    }
+
+    /// Links for every sample; and nodes, shared by the samples of a cell and found around the window too, where the terrain is asked for their heights.
+    fn erosion_ns(&self, erosion: usize, at: Points, samples: Samples) -> f64 {
+        let Samples { spacing, n, fading, side, .. } = samples;
         let square = |side: f64| side * side;
-        let is_carried = |lattice: &Lattice| filter == Filter::Exact || lattice.pitch > 2.0 * spacing;
-        let lattices: Vec<Lattice> = self.graph.erosions[erosion].erosion.lattices().take_while(is_carried).collect();
+        let eroded = &self.graph.erosions[erosion];
+        let lattices: Vec<Lattice> = eroded.erosion.lattices_carried(fading).collect();
+        let found_before = self.found_before(erosion, at);
+        // Wherever else samples are, they are farther apart.
+        let stretch = if matches!(at, Points::Grid(_)) { 1.0 } else { WARPED };
         let (parts, mut sum, mut beyond) = (side * n as f64, LOWER_NS, 0.0);
         for (number, &Lattice { pitch, candidates, reach }) in lattices.iter().enumerate().rev() {
             let across = side * spacing * stretch / pitch;
@@ -88,12 +100,16 @@ impl Tape {
             let found = |around: f64| square(across + around).min(square(parts * around));
             let margin = 10.0 + 4.0 * reach;
             let heights = candidates * found(beyond + margin);
-            let terrain = self.terrains[erosion].part_ns(Samples { spacing: pitch, n: 1, filter: Filter::Exact, side: heights.sqrt() });
+            let terrain =
+                self.terrains[eroded.networks].part_ns(Samples { spacing: pitch, n: 1, filter: Filter::Exact, fading: Fading::NONE, side: heights.sqrt() });
             let nodes = found(beyond + 5.0 + 2.0 * reach) * NODE_NS * reach;
             let corners = found(beyond + 1.0) * (CORNER_NS + AROUND_NS * reach);
             // Samples in a row around one corner share vectors.
             let run = (pitch / (spacing * stretch) * n as f64).clamp(1.0, 8.0);
-            sum += LINKS_NS * 8.0 / run + (heights * (terrain + SCATTERED_NS * number as f64) + nodes + corners) / square(parts);
+            sum += LINKS_NS * 8.0 / run;
+            if number >= found_before {
+                sum += (heights * (terrain + SCATTERED_NS * number as f64) + nodes + corners) / square(parts);
+            }
             // Nodes of a finer lattice ask for heights of this one.
             beyond = (beyond + margin) * number.checked_sub(1).map_or(1.0, |coarser| pitch / lattices[coarser].pitch);
         }
@@ -109,6 +125,7 @@ struct Samples {
     /// Parts a side of each.
     n: usize,
     filter: Filter,
+    fading: Fading,
     /// How many there are along a side.
     side: f64,
 }
@@ -202,7 +219,7 @@ fn octave_ns(basis: Basis, way: Way, samples: f64) -> f64 {
                 _ => 1.0,
             };
             let nearest = if wide {
-                3.9
+                3.9 + 45.0 * share
             } else if way == Way::Rows {
                 10.8
             } else {

@@ -2,16 +2,16 @@
 
 use super::{
     Frame, bounds,
-    graph::{Axis, Eroded, Graph, Step},
+    graph::{Axis, Eroded, Graph, Network, Step},
     kernels::{self, Input},
     operation::Unary,
-    sampling::{self, Drawn, Wave},
+    sampling::{self, Drawn, Sampling, Wave},
     shape::{Filtered, Write},
     tape::{Instruction, Points, Slot, Tape},
 };
 use crate::{
     geometry::{Filter, Window},
-    noise::{Field, Isa, Rows, SIDE, Stead, Terrain, Valleys},
+    noise::{Fading, Field, Isa, Networks, Rows, SIDE, Stead, Terrain, Valleys},
 };
 
 /// Samples a block: registers of a typical programme stay within the first-level cache.
@@ -21,31 +21,29 @@ pub(super) const BLOCK: usize = 256;
 pub(super) struct Prepared {
     pub fields: Vec<Field>,
     pub shapes: Vec<Filtered>,
-    /// Samples a side that every sample of the window is the mean of.
-    pub subsamples: usize,
+    pub sampling: Sampling,
     /// What stands for the detail of each noise in the parts of samples.
     pub draws: Vec<Option<Drawn>>,
     /// The waves that a sine or cosine of each step makes, where they fade.
     pub waves: Vec<Option<Wave>>,
-    /// Distance of the samples in programme units; 0 for the programme as it is.
-    pub spacing: f64,
 }
 
 impl Prepared {
-    /// For samples `spacing` programme units apart, each the mean of `subsamples` × `subsamples` parts.
-    pub(super) fn new(graph: &Graph, frame: &Frame, spacing: f64, subsamples: usize) -> Self {
+    /// For samples that are taken in some way.
+    pub(super) fn new(graph: &Graph, frame: &Frame, sampling: Sampling) -> Self {
+        let Sampling { n: subsamples, fading: Fading { spacing, .. } } = sampling;
         let part = spacing / subsamples as f64;
         let detail = sampling::detail(spacing, subsamples);
         let fields = bounds::fields(graph, frame.seed, detail);
         let shapes = graph.shapes.iter().map(|shape| shape.filtered(part)).collect();
         let draws = sampling::draws(graph, subsamples, detail);
         let waves = sampling::waves(graph, subsamples, detail);
-        Self { fields, shapes, subsamples, draws, waves, spacing }
+        Self { fields, shapes, sampling, draws, waves }
     }
 
     /// The programme as it is.
     pub(super) fn exact(graph: &Graph, frame: &Frame) -> Self {
-        Self::new(graph, frame, 0.0, 1)
+        Self::new(graph, frame, Sampling { n: 1, fading: Fading::NONE })
     }
 }
 
@@ -75,15 +73,17 @@ pub(super) struct Evaluation<'a> {
     columns: Vec<Vec<f32>>,
     registers: Vec<Vec<f32>>,
     positions: Vec<Positions>,
-    erosions: Vec<Eroding<'a>>,
+    /// Of every erosion.
+    valleys: Vec<Valleys>,
+    eroded: Vec<Eroding<'a>>,
     /// Which row of parts of a sample is evaluated.
     part_row: usize,
     non_finite: u64,
 }
 
-/// Valleys, and the terrain that they are cut into.
+/// Networks of valleys, and the terrain that they are cut into.
 struct Eroding<'a> {
-    valleys: Valleys,
+    networks: Networks,
     terrain: Evaluation<'a>,
 }
 
@@ -100,41 +100,44 @@ impl Terrain for Evaluation<'_> {
 impl Tape {
     /// What stands for the valleys of an erosion that samples cannot carry. Erosions of one `seed=` swing together.
     pub(super) fn stead(&self, number: usize, prepared: &Prepared) -> Stead {
-        if prepared.spacing <= 0.0 {
+        let Sampling { n, fading } = prepared.sampling;
+        if fading.spacing <= 0.0 {
             return Stead::NONE;
         }
         let erosions = &self.graph.erosions;
-        let needed = Valleys::needs_mean(&erosions[number].erosion, prepared.spacing);
+        let needed = Valleys::needs_mean(&erosions[number].erosion, fading);
         let mut lattices = Vec::new();
         for eroded in &erosions[..=number] {
-            if !lattices.contains(&eroded.lattices) {
-                lattices.push(eroded.lattices);
+            let of = self.graph.networks[eroded.networks].lattices;
+            if !lattices.contains(&of) {
+                lattices.push(of);
             }
         }
-        let order = lattices.iter().position(|&lattices| lattices == erosions[number].lattices).unwrap_or(0);
+        let own = self.graph.networks[erosions[number].networks].lattices;
+        let order = lattices.iter().position(|&lattices| lattices == own).unwrap_or(0);
         Stead {
-            mean_slope: if needed { self.network_slopes()[number] } else { 0.0 },
+            mean_slope: if needed { self.network_slopes()[erosions[number].networks] } else { 0.0 },
             floor: bounds::erosion_floor(&self.graph, number),
-            swings: (prepared.subsamples == SIDE).then(|| Stead::swings(order)),
+            swings: (n == SIDE).then(|| Stead::swings(order)),
         }
     }
 
-    /// The mean slope of the coarsest network of every erosion, for a seed of 0: what stands for valleys that are too far away to be seen at all.
+    /// The mean slope of the coarsest of every network, for a seed of 0: what stands for valleys that are too far away to be seen at all.
     pub(super) fn network_slopes(&self) -> &[f32] {
         const FRAME: Frame = Frame { seed: 0, scale: 1.0, origin: [0.0; 2] };
-        let slope = |(eroded, terrain): (&Eroded, &Tape)| {
+        let slope = |(network, terrain): (&Network, &Tape)| {
             let isa = Isa::active();
-            Valleys::mean_slope(&eroded.erosion, eroded.lattices.key(FRAME.seed), &mut Evaluation::anywhere(isa, terrain, &FRAME))
+            Networks::new(isa, &network.erosion, network.lattices.key(FRAME.seed)).mean_slope(&mut Evaluation::anywhere(isa, terrain, &FRAME))
         };
-        self.network_slopes.get_or_init(|| self.graph.erosions.iter().zip(&self.terrains).map(slope).collect())
+        self.network_slopes.get_or_init(|| self.graph.networks.iter().zip(&self.terrains).map(slope).collect())
     }
 }
 
 impl<'a> Evaluation<'a> {
     pub(super) fn new(isa: Isa, tape: &'a Tape, frame: &'a Frame, window: &Window) -> Self {
         let spacing = if window.filter == Filter::Band { window.spacing() / frame.scale } else { 0.0 };
-        let n = tape.subsamples(spacing);
-        let prepared = Prepared::new(&tape.graph, frame, spacing, n);
+        let sampling = tape.sampling(spacing);
+        let (n, prepared) = (sampling.n, Prepared::new(&tape.graph, frame, sampling));
         let sub = offsets(n, window.spacing());
         let columns: Vec<f64> =
             window.columns.coordinates().flat_map(|x| sub.clone().map(move |d| x + d)).map(|x| (x - frame.origin[0]) / frame.scale).collect();
@@ -154,11 +157,13 @@ impl<'a> Evaluation<'a> {
     fn prepared(isa: Isa, tape: &'a Tape, frame: &'a Frame, prepared: Prepared, columns: &[f64]) -> Self {
         let grids: Vec<Vec<f64>> = tape.grids.iter().map(|[du, _]| columns.iter().map(|u| u + du).collect()).collect();
         let noise_rows = tape.noise_rows.iter().map(|&(noise, grid)| prepared.fields[noise].rows_on(isa, &grids[grid])).collect();
-        let eroding = |(number, (eroded, terrain)): (usize, (&Eroded, &'a Tape))| {
-            let valleys = Valleys::new(isa, &eroded.erosion, eroded.lattices.key(frame.seed), prepared.spacing, &tape.stead(number, &prepared));
-            Eroding { valleys, terrain: Self::anywhere(isa, terrain, frame) }
+        let valleys = |(number, eroded): (usize, &Eroded)| Valleys::new(&eroded.erosion, prepared.sampling.fading, &tape.stead(number, &prepared));
+        let eroding = |(network, terrain): (&Network, &'a Tape)| {
+            let networks = Networks::new(isa, &network.erosion, network.lattices.key(frame.seed));
+            Eroding { networks, terrain: Self::anywhere(isa, terrain, frame) }
         };
-        let erosions = tape.graph.erosions.iter().zip(&tape.terrains).enumerate().map(eroding).collect();
+        let valleys = tape.graph.erosions.iter().enumerate().map(valleys).collect();
+        let eroded = tape.graph.networks.iter().zip(&tape.terrains).map(eroding).collect();
         Self {
             isa,
             tape,
@@ -170,7 +175,8 @@ impl<'a> Evaluation<'a> {
             columns: vec![vec![0.0; columns.len()]; tape.column_count],
             registers: vec![vec![0.0; BLOCK]; tape.register_count],
             positions: vec![Positions { u: vec![0.0; BLOCK], v: vec![0.0; BLOCK] }; tape.position_count],
-            erosions,
+            valleys,
+            eroded,
             part_row: 0,
             non_finite: 0,
         }
@@ -192,7 +198,7 @@ impl<'a> Evaluation<'a> {
     }
 
     pub(super) fn run(mut self, window: &Window, out: &mut [f32]) -> u64 {
-        let (n, width) = (self.prepared.subsamples, window.columns.len().max(1));
+        let (n, width) = (self.prepared.sampling.n, window.columns.len().max(1));
         let mut fine = vec![0.0; if n > 1 { width * n } else { 0 }];
         for (y, row) in window.rows.coordinates().zip(out.chunks_mut(width)) {
             if n == 1 {
@@ -317,15 +323,16 @@ impl<'a> Evaluation<'a> {
                     Input::Number(height) => out.fill(height),
                     Input::Samples(heights) => out.copy_from_slice(heights),
                 }
-                let Eroding { valleys, terrain } = &mut self.erosions[erosion];
+                let valleys = &mut self.valleys[erosion];
+                let Eroding { networks, terrain } = &mut self.eroded[self.tape.graph.erosions[erosion].networks];
                 match at {
                     Points::Grid(grid) => {
                         let (us, vs) = (&self.grids[grid][start..start + count], [v + self.tape.grids[grid][1]; BLOCK]);
-                        valleys.carve(terrain, us, &vs[..count], out, self.part_row * SIDE);
+                        valleys.carve(networks, terrain, us, &vs[..count], out, self.part_row * SIDE);
                     }
                     Points::Anywhere(at) => {
                         let at = &self.positions[at];
-                        valleys.carve(terrain, &at.u[..count], &at.v[..count], out, self.part_row * SIDE);
+                        valleys.carve(networks, terrain, &at.u[..count], &at.v[..count], out, self.part_row * SIDE);
                     }
                 }
             }

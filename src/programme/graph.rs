@@ -65,9 +65,19 @@ impl Noise {
     }
 }
 
-/// An erosion of the programme.
+/// An erosion of the programme, of a value.
 #[derive(Clone, Debug)]
 pub(super) struct Eroded {
+    pub erosion: Erosion,
+    pub of: Id,
+    /// The number of its networks.
+    pub networks: usize,
+}
+
+/// The networks of one or more erosions.
+#[derive(Clone, Debug)]
+pub(super) struct Network {
+    /// That with the most lattices.
     pub erosion: Erosion,
     pub lattices: Lattices,
     /// What is eroded: the graph of the node's subtree, with the value that stands in this graph too.
@@ -141,6 +151,7 @@ pub(super) struct Graph {
     pub noises: Vec<Noise>,
     pub shapes: Vec<Shape>,
     pub erosions: Vec<Eroded>,
+    pub networks: Vec<Network>,
     pub root: Id,
 }
 
@@ -275,17 +286,28 @@ impl Builder {
     }
 
     pub(super) fn erode(&mut self, erosion: Erosion, lattices: Lattices, of: Id) -> Id {
-        let same = |other: &Eroded| other.erosion == erosion && other.lattices == lattices && other.of == of;
+        let networks = self.networks(erosion, lattices, of);
+        let same = |other: &Eroded| other.erosion == erosion && other.networks == networks;
         let found = self.graph.erosions.iter().position(same);
         let erosion = found.unwrap_or_else(|| {
-            self.kept += self.graph.steps.len();
-            self.too_large |= self.kept > MAX_STEPS;
-            let terrain = if self.too_large { Graph::default() } else { Graph { root: of, ..self.graph.clone() } };
-            let terrain = Arc::new(terrain);
-            self.graph.erosions.push(Eroded { erosion, lattices, terrain, of });
+            self.graph.erosions.push(Eroded { erosion, of, networks });
             self.graph.erosions.len() - 1
         });
         self.push(Step::Erosion(erosion, of, HERE))
+    }
+
+    fn networks(&mut self, erosion: Erosion, lattices: Lattices, of: Id) -> usize {
+        let same = |other: &Network| other.erosion.shares_networks(&erosion) && other.lattices == lattices && other.of == of;
+        if let Some(found) = self.graph.networks.iter().position(same) {
+            let most = &mut self.graph.networks[found].erosion;
+            most.octaves = most.octaves.max(erosion.octaves);
+            return found;
+        }
+        self.kept += self.graph.steps.len();
+        self.too_large |= self.kept > MAX_STEPS;
+        let terrain = if self.too_large { Graph::default() } else { Graph { root: of, ..self.graph.clone() } };
+        self.graph.networks.push(Network { erosion, lattices, terrain: Arc::new(terrain), of });
+        self.graph.networks.len() - 1
     }
 
     pub(super) fn number(&mut self, number: f32) -> Id {

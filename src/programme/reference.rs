@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     geometry::Filter,
-    noise::{Isa, Terrain, Valleys},
+    noise::{Isa, Networks, Terrain, Valleys},
 };
 use std::cell::RefCell;
 
@@ -21,7 +21,7 @@ pub struct Reference {
     frame: Frame,
     prepared: Prepared,
     spacing: f64,
-    erosions: Vec<RefCell<(Valleys, Reference)>>,
+    erosions: Vec<RefCell<(Valleys, Networks, Reference)>>,
 }
 
 impl Terrain for Reference {
@@ -42,17 +42,19 @@ impl Reference {
         let tapes = |root| Tape::plain(root).ok().zip(Tape::try_compile(root).ok());
         let (plain, simplified) = tapes(root).expect("a programme's size was checked when it was parsed");
         let units = if filter == Filter::Band { spacing / frame.scale } else { 0.0 };
-        let prepared = Prepared::new(&plain.graph, frame, units, simplified.subsamples(units));
+        let prepared = Prepared::new(&plain.graph, frame, simplified.sampling(units));
         Self::prepared(plain.graph.clone(), frame, prepared, spacing, &plain)
     }
 
     fn prepared(graph: Graph, frame: &Frame, prepared: Prepared, spacing: f64, tape: &Tape) -> Self {
         let eroding = |(number, eroded): (usize, &Eroded)| {
             let stead = tape.stead(number, &prepared);
-            let valleys = Valleys::new(Isa::Baseline, &eroded.erosion, eroded.lattices.key(frame.seed), prepared.spacing, &stead);
-            let terrain = Graph::clone(&eroded.terrain);
+            let network = &graph.networks[eroded.networks];
+            let valleys = Valleys::new(&eroded.erosion, prepared.sampling.fading, &stead);
+            let networks = Networks::new(Isa::Baseline, &eroded.erosion, network.lattices.key(frame.seed));
+            let terrain = Graph::clone(&network.terrain);
             let exact = Prepared::exact(&terrain, frame);
-            RefCell::new((valleys, Self::prepared(terrain, frame, exact, 1.0, tape)))
+            RefCell::new((valleys, networks, Self::prepared(terrain, frame, exact, 1.0, tape)))
         };
         let erosions = graph.erosions.iter().enumerate().map(eroding).collect();
         Self { order: graph.reachable(graph.root), graph, frame: *frame, prepared, spacing, erosions }
@@ -61,7 +63,7 @@ impl Reference {
     /// The value at plane coordinates (x, y).
     #[must_use]
     pub fn at(&self, x: f64, y: f64) -> f32 {
-        let n = self.prepared.subsamples;
+        let n = self.prepared.sampling.n;
         if n == 1 {
             return self.sample(x, y, 0);
         }
@@ -89,8 +91,8 @@ impl Reference {
             }
             let mut value = kernels::value(step, operands, at, part, &self.prepared);
             if let Step::Erosion(erosion, ..) = step {
-                let (valleys, terrain) = &mut *self.erosions[erosion].borrow_mut();
-                valleys.carve(terrain, &at[..1], &at[1..], std::slice::from_mut(&mut value), part);
+                let (valleys, networks, terrain) = &mut *self.erosions[erosion].borrow_mut();
+                valleys.carve(networks, terrain, &at[..1], &at[1..], std::slice::from_mut(&mut value), part);
             }
             values[id] = if value.is_finite() { value } else { 0.0 };
         }

@@ -7,7 +7,16 @@ use super::{
     tape::Tape,
     waves,
 };
-use crate::noise::{self, Draws, Field, SIDE};
+use crate::noise::{self, Draws, Fading, Field, SIDE};
+
+/// How samples are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sampling {
+    /// Parts a side that every sample is the mean of, 1, 2 or 4.
+    pub n: usize,
+    /// How its valleys fade.
+    pub fading: Fading,
+}
 
 /// Values that are added to a noise, a part of a sample each, and the range that it stays in.
 #[derive(Clone, Debug)]
@@ -113,15 +122,19 @@ fn fading(graph: &Graph, spacing: f64) -> usize {
 }
 
 impl Tape {
-    /// Parts a side that every sample is the mean of, 1, 2 or 4, for samples `spacing` programme units apart; 1 for a spacing of 0.
+    /// How samples `spacing` programme units apart are taken; 0 for the programme as it is.
     ///
-    /// As many as functions need that turn quickly; and where octaves fade that matter, as many as can be paid for.
-    pub(super) fn subsamples(&self, spacing: f64) -> usize {
+    /// In as many parts as functions need that turn quickly; where octaves fade that matter, in as many as can be paid for; and with gradual valleys if those can be, too.
+    pub(super) fn sampling(&self, spacing: f64) -> Sampling {
         let needed = bounds::subsamples(&self.graph, &bounds::fields(&self.graph, 0, spacing), spacing);
+        let parts = |n| Sampling { n, fading: Fading { spacing, gradual: false } };
         if spacing <= 0.0 {
-            return needed;
+            return parts(needed);
         }
+        let is_paid = |sampling: &Sampling| self.tile_ns(*sampling) <= COST_LIMIT_NS;
         let wanted = fading(&self.graph, spacing);
-        [SIDE, 2].into_iter().find(|&n| n <= wanted && n > needed && self.tile_parts_ns(spacing, n) <= COST_LIMIT_NS).unwrap_or(needed)
+        let sampling = [SIDE, 2].into_iter().filter(|&n| n <= wanted && n > needed).map(parts).find(is_paid).unwrap_or_else(|| parts(needed));
+        let gradual = Sampling { fading: Fading { spacing, gradual: true }, ..sampling };
+        if sampling.n == SIDE && !self.graph.erosions.is_empty() && is_paid(&gradual) { gradual } else { sampling }
     }
 }

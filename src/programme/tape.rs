@@ -221,7 +221,7 @@ struct Compiler {
 
 impl Compiler {
     fn new(graph: Graph, samples: Samples) -> Self {
-        let terrains = graph.erosions.iter().map(|eroded| Compiler::new(Graph::clone(&eroded.terrain), Samples::Anywhere).compile()).collect();
+        let terrains = graph.networks.iter().map(|network| Compiler::new(Graph::clone(&network.terrain), Samples::Anywhere).compile()).collect();
         let order = graph.reachable(graph.root);
         let (steps, places) = (graph.steps.len(), graph.places.len());
         let tape = Tape {

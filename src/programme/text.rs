@@ -246,6 +246,6 @@ mod tests {
         assert_eq!(Programme::parse(&numbers).expect_err("too many").message, "more than 16 arguments of sin");
         let costly = (0..60).fold("x".to_owned(), |inner, _| format!("plus({inner}, ridged_multifractal(1, 2, 32, 1, 2, basis=voronoi_f2))"));
         let costly = Programme::parse(&costly).expect("within the limits of size");
-        assert!(costly.check_cost().expect_err("too costly").message.contains("more than the 4000 ns allowed"));
+        assert!(costly.check_cost().expect_err("too costly").message.contains("more than the 6500 ns allowed"));
     }
 }

@@ -47,13 +47,33 @@ impl Erosion {
         (self.octaves - number as f64).clamp(0.0, 1.0)
     }
 
-    /// How much of a lattice samples `spacing` programme units apart carry: all from four samples a pitch on, none below two.
-    fn carried(&self, number: usize, spacing: f64) -> f64 {
-        carried(self.level(number).0, spacing)
+    /// How much of a lattice samples carry: all from four samples a pitch on, none below two.
+    ///
+    /// Of the coarsest gradually: all from six on, none below one and a half, the same share for every part of an octave between.
+    fn carried(&self, number: usize, Fading { spacing, gradual }: Fading) -> f64 {
+        let pitch = self.level(number).0;
+        if spacing <= 0.0 {
+            1.0
+        } else if number == 0 && gradual {
+            (libm::log2(pitch / (1.5 * spacing)) / 2.0).clamp(0.0, 1.0)
+        } else {
+            carried(pitch, spacing)
+        }
     }
 
     fn count(&self) -> usize {
         (self.octaves.ceil() as usize).clamp(1, MAX_LEVELS)
+    }
+
+    /// Those of its lattices that anything is left of in samples.
+    pub fn lattices_carried(&self, fading: Fading) -> impl Iterator<Item = Lattice> + '_ {
+        self.lattices().enumerate().take_while(move |&(number, _)| self.carried(number, fading) > 0.0).map(|(_, lattice)| lattice)
+    }
+
+    /// Whether valleys lie where those of another erosion of the same terrain lie, as far as both have their lattices.
+    #[must_use]
+    pub fn shares_networks(&self, other: &Self) -> bool {
+        self.scale == other.scale && self.depth == other.depth
     }
 
     /// What its lattices ask of the terrain, from the coarsest on.
@@ -79,6 +99,21 @@ impl Erosion {
         // From a valley's rim to its bed, bent, at the pitch of each lattice.
         (0..self.count()).map(|number| 8.0 / (f64::from(HALF_WIDTH) * self.level(number).0)).sum()
     }
+}
+
+/// How valleys fade that samples cannot carry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fading {
+    /// Distance of the samples in programme units; for 0 no valley fades.
+    pub spacing: f64,
+    /// Whether the coarsest lattice goes over two octaves of the spacing and not over one. Its valleys count most, and cost most where they are last seen. Such samples
+    /// must be means of 4 × 4 parts: one alone could not carry what is left.
+    pub gradual: bool,
+}
+
+impl Fading {
+    /// All valleys are carried.
+    pub const NONE: Self = Self { spacing: 0.0, gradual: false };
 }
 
 /// A lattice of an erosion, as far as its cost is concerned.
@@ -135,14 +170,14 @@ const MEAN_CUTS: [&[[f64; 2]]; MAX_LEVELS] = [
     &[[-0.102, 0.985], [-0.062, 0.633], [-0.038, 0.492], [0.004, 0.306], [0.026, 0.207]],
 ];
 
-/// Cells a side of the square of corners that [`Valleys::mean_slope`] looks at, and how far apart they are in programme units.
+/// Cells a side of the square of corners that [`Networks::mean_slope`] looks at, and how far apart they are in programme units.
 const LOOKS: i64 = 6;
 const LOOK_EVERY: f64 = 4.0;
 
 /// What stands for valleys that samples cannot carry.
 #[derive(Clone, Copy, Debug)]
 pub struct Stead {
-    /// The mean slope of the coarsest network, a pitch: [`Valleys::mean_slope`].
+    /// The mean slope of the coarsest network, a pitch: [`Networks::mean_slope`].
     pub mean_slope: f32,
     /// The least height that they may lower the terrain to.
     pub floor: f32,
@@ -167,11 +202,40 @@ const SWINGS: Draws = [0.02, 0.10, 0.19, 0.28, 0.37, 0.46, 0.55, 0.64, 0.74, 0.8
 /// The order of the first erosion's swings: one that few programmes have noises enough to reach.
 const FIRST_ORDER: usize = 9;
 
-/// A terrain with its valleys. Nodes once found are kept, in bounded numbers; what is kept changes no value.
-pub struct Valleys {
+/// The networks of the lattices of an erosion. Nodes once found are kept, in bounded numbers; what is kept changes no value.
+pub struct Networks {
     isa: Isa,
-    strength: f32,
     levels: Vec<Level>,
+}
+
+impl Networks {
+    /// Networks with nothing found yet. Every erosion that [shares](Erosion::shares_networks) them and has no more lattices may use them.
+    #[must_use]
+    pub fn new(isa: Isa, erosion: &Erosion, key: u64) -> Self {
+        let level = |number| {
+            let (pitch, cut) = erosion.level(number);
+            Level::new(key, number, pitch, cut as f32)
+        };
+        Self { isa, levels: (0..erosion.count()).map(level).collect() }
+    }
+
+    /// The mean slope of the coarsest network, a pitch, over 36 places of 24 × 24 programme units around the origin.
+    pub fn mean_slope(&mut self, terrain: &mut impl Terrain) -> f32 {
+        let level = &mut self.levels[0];
+        let pitch = level.pitch;
+        let at = |look: i64| ((look as f64 - (LOOKS - 1) as f64 / 2.0) * LOOK_EVERY / pitch).round() as i64;
+        let mut sum = 0.0;
+        for look in 0..LOOKS * LOOKS {
+            let around = level.around([at(look % LOOKS), at(look / LOOKS)], |us, vs, out| terrain.heights(us, vs, out));
+            sum += around.nodes.iter().map(|&[_, _, slope]| f64::from(slope)).sum::<f64>() / 16.0;
+        }
+        (sum / (LOOKS * LOOKS) as f64) as f32
+    }
+}
+
+/// How an erosion's valleys are carved into samples of some spacing.
+pub struct Valleys {
+    strength: f32,
     /// How far each level is carved for the samples, and what its slopes say of the levels that are not.
     parts: Vec<[f32; 2]>,
     /// What all are lowered by in place of levels that nothing is left of.
@@ -183,19 +247,14 @@ pub struct Valleys {
 }
 
 impl Valleys {
-    /// Valleys for samples `spacing` programme units apart: lattices whose pitch is below four spacings fade, to be gone at two. 0 keeps them all.
+    /// Valleys for samples that lattices fade for.
     ///
     /// What is left out still lowers the land, by its mean: the slopes of the finest network that is kept say where; once there is none, those of `stead`.
     #[must_use]
-    pub fn new(isa: Isa, erosion: &Erosion, key: u64, spacing: f64, stead: &Stead) -> Self {
-        let carried = |number| if spacing > 0.0 { erosion.carried(number, spacing) } else { 1.0 };
+    pub fn new(erosion: &Erosion, fading: Fading, stead: &Stead) -> Self {
+        let carried = |number| erosion.carried(number, fading);
         let kept = (0..erosion.count()).take_while(|&number| carried(number) > 0.0).count();
-        let (mut levels, mut parts) = (Vec::<Level>::new(), Vec::new());
-        for number in 0..kept {
-            let (pitch, cut) = erosion.level(number);
-            levels.push(Level::new(key, number, pitch, cut as f32, erosion.share(number) as f32));
-            parts.push([carried(number) as f32, 0.0]);
-        }
+        let mut parts: Vec<[f32; 2]> = (0..kept).map(|number| [carried(number) as f32 * erosion.share(number) as f32, 0.0]).collect();
         // What is left out of a level, where the network of another has slope 1.
         let left_out = |number: usize, by: usize| {
             let [bed, cut] = MEAN_CUTS[number][by];
@@ -218,42 +277,29 @@ impl Valleys {
                 _ => parts[finest - 1][1] += (1.0 - part) * left_out(number, finest - 1),
             }
         }
-        Self { isa, strength: erosion.strength as f32, levels, parts, lowering, floor: stead.floor, swings: stead.swings, scratch: [Vec::new(), Vec::new()] }
+        Self { strength: erosion.strength as f32, parts, lowering, floor: stead.floor, swings: stead.swings, scratch: [Vec::new(), Vec::new()] }
     }
 
-    /// The mean slope of the coarsest network, a pitch, over 36 places of 24 × 24 programme units around the origin.
-    pub fn mean_slope(erosion: &Erosion, key: u64, terrain: &mut impl Terrain) -> f32 {
-        let (pitch, cut) = erosion.level(0);
-        let mut level = Level::new(key, 0, pitch, cut as f32, 1.0);
-        let at = |look: i64| ((look as f64 - (LOOKS - 1) as f64 / 2.0) * LOOK_EVERY / pitch).round() as i64;
-        let mut sum = 0.0;
-        for look in 0..LOOKS * LOOKS {
-            let around = level.around([at(look % LOOKS), at(look / LOOKS)], |us, vs, out| terrain.heights(us, vs, out));
-            sum += around.nodes.iter().map(|&[_, _, slope]| f64::from(slope)).sum::<f64>() / 16.0;
-        }
-        (sum / (LOOKS * LOOKS) as f64) as f32
-    }
-
-    /// Whether samples `spacing` programme units apart need the mean slope of the coarsest network.
+    /// Whether samples need the mean slope of the coarsest network.
     #[must_use]
-    pub fn needs_mean(erosion: &Erosion, spacing: f64) -> bool {
-        spacing > 0.0 && erosion.carried(0, spacing) < 1.0
+    pub fn needs_mean(erosion: &Erosion, fading: Fading) -> bool {
+        erosion.carried(0, fading) < 1.0
     }
 
     /// Turns the heights of the terrain at programme coordinates into eroded ones. `terrain` gives the terrain as it is, unfiltered: the network must not change with
     /// the samples. Where samples are cut into parts, the first height is that of the part of that number, and the others follow it to the east.
-    pub fn carve(&mut self, terrain: &mut impl Terrain, us: &[f64], vs: &[f64], heights: &mut [f32], part: usize) {
+    pub fn carve(&mut self, networks: &mut Networks, terrain: &mut impl Terrain, us: &[f64], vs: &[f64], heights: &mut [f32], part: usize) {
         let [mut before, mut lowering] = std::mem::take(&mut self.scratch);
         before.clear();
         before.extend_from_slice(heights);
         lowering.clear();
         lowering.resize(heights.len(), self.lowering);
-        for number in 0..self.levels.len() {
-            carve(self.isa, &mut self.levels[..=number], terrain, us, vs, [heights, &mut lowering], self.parts[number]);
+        for (number, &parts) in self.parts.iter().enumerate() {
+            carve(networks.isa, &mut networks.levels[..=number], terrain, us, vs, [heights, &mut lowering], parts);
         }
         // A part alone may be the last.
         let swings = self.swings.map_or([1.0; SIDE], |swings| core::array::from_fn(|i| swings[(part + i) % swings.len()]));
-        self.isa.run(Lower { before: &before, lowering: &lowering, strength: self.strength, swings, floor: self.floor, heights });
+        networks.isa.run(Lower { before: &before, lowering: &lowering, strength: self.strength, swings, floor: self.floor, heights });
         self.scratch = [before, lowering];
     }
 }
@@ -282,7 +328,7 @@ fn carve(isa: Isa, levels: &mut [Level], terrain: &mut impl Terrain, us: &[f64],
             }
             (locals[0][count], locals[1][count]) = (x, y);
         }
-        let (cut, part) = (level.cut, part * level.part);
+        let cut = level.cut;
         let run = Carve {
             around: level.around([i, j], |us, vs, out| self::heights(isa, coarser, terrain, us, vs, out)),
             xs: &locals[0][..count],

@@ -70,8 +70,6 @@ fn cells(side: i64, page: [i64; 2], from: [i64; 2], to: [i64; 2]) -> impl Iterat
 pub(super) struct Level {
     pub pitch: f64,
     pub cut: f32,
-    /// What counts of the level where it is carved whole.
-    pub part: f32,
     reach: i64,
     candidates: usize,
     seeds: [u32; CANDIDATES + 1],
@@ -81,10 +79,10 @@ pub(super) struct Level {
 }
 
 impl Level {
-    pub(super) fn new(key: u64, number: usize, pitch: f64, cut: f32, part: f32) -> Self {
+    pub(super) fn new(key: u64, number: usize, pitch: f64, cut: f32) -> Self {
         let (candidates, reach) = candidates_and_reach(number);
         let seeds = core::array::from_fn(|channel| hash::key(hash::key(key, number as u64), channel as u64) as u32);
-        Self { pitch, cut, part, reach, candidates, seeds, sites: Cache::new(), nodes: Cache::new(), corners: Cache::new() }
+        Self { pitch, cut, reach, candidates, seeds, sites: Cache::new(), nodes: Cache::new(), corners: Cache::new() }
     }
 
     /// A place within a cell, from the middle half and a little more.

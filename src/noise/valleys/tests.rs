@@ -32,11 +32,19 @@ fn ground() -> Ground {
 
 const EROSION: Erosion = Erosion { strength: 1.0, scale: 0.4, octaves: 3.0, depth: 0.7 };
 
-fn eroded(valleys: &mut Valleys, us: &[f64], vs: &[f64]) -> Vec<f32> {
+fn networks(isa: Isa) -> Networks {
+    Networks::new(isa, &EROSION, 5)
+}
+
+fn whole(erosion: &Erosion) -> Valleys {
+    Valleys::new(erosion, Fading::NONE, &Stead::NONE)
+}
+
+fn eroded(networks: &mut Networks, valleys: &mut Valleys, us: &[f64], vs: &[f64]) -> Vec<f32> {
     let mut ground = ground();
     let mut heights = vec![0.0; us.len()];
     ground.heights(us, vs, &mut heights);
-    valleys.carve(&mut ground, us, vs, &mut heights, 0);
+    valleys.carve(networks, &mut ground, us, vs, &mut heights, 0);
     heights
 }
 
@@ -51,14 +59,15 @@ fn places(around: f64, spacing: f64) -> (Vec<f64>, Vec<f64>) {
 fn a_place_has_one_height() {
     for (around, spacing) in [(0.3, 0.004), (-5.0, 0.31), (3e7, 0.02), (1e12, 1e9)] {
         let (us, vs) = places(around, spacing);
-        let all = eroded(&mut Valleys::new(Isa::Baseline, &EROSION, 5, 0.0, &Stead::NONE), &us, &vs);
+        let mut valleys = whole(&EROSION);
+        let all = eroded(&mut networks(Isa::Baseline), &mut valleys, &us, &vs);
         for isa in Isa::ALL {
-            let mut valleys = Valleys::new(isa, &EROSION, 5, 0.0, &Stead::NONE);
+            let mut networks = networks(isa);
             let (back_us, back_vs): (Vec<f64>, Vec<f64>) = (us.iter().rev().copied().collect(), vs.iter().rev().copied().collect());
-            let back = eroded(&mut valleys, &back_us, &back_vs);
+            let back = eroded(&mut networks, &mut valleys, &back_us, &back_vs);
             assert!(back.iter().rev().zip(&all).all(|(a, b)| a.to_bits() == b.to_bits()), "{isa:?} {around} {spacing}");
             for i in (0..us.len()).step_by(97) {
-                let alone = eroded(&mut valleys, &us[i..=i], &vs[i..=i]);
+                let alone = eroded(&mut networks, &mut valleys, &us[i..=i], &vs[i..=i]);
                 assert_eq!(alone[0].to_bits(), all[i].to_bits(), "{isa:?} at {} {}", us[i], vs[i]);
             }
         }
@@ -70,9 +79,9 @@ fn a_place_has_one_height() {
 fn valleys_are_those_of_every_link_around() {
     let (us, vs) = places(0.7, 0.021);
     let erosion = Erosion { octaves: 1.0, ..EROSION };
-    let got = eroded(&mut Valleys::new(Isa::active(), &erosion, 5, 0.0, &Stead::NONE), &us, &vs);
+    let got = eroded(&mut Networks::new(Isa::active(), &erosion, 5), &mut whole(&erosion), &us, &vs);
     let (pitch, cut) = erosion.level(0);
-    let level = Level::new(5, 0, pitch, cut as f32, 1.0);
+    let level = Level::new(5, 0, pitch, cut as f32);
     let mut ground = ground();
     let site = |i: i64, j: i64, ground: &mut Ground| {
         let all = (0..CANDIDATES).map(|candidate| {
@@ -122,18 +131,31 @@ fn valleys_are_those_of_every_link_around() {
     }
 }
 
+/// Networks that an erosion with more lattices has used serve one with fewer, and one with a part of a lattice.
+#[test]
+fn erosions_share_networks() {
+    let (us, vs) = places(0.7, 0.021);
+    let mut shared = networks(Isa::active());
+    for octaves in [3.0, 1.0, 1.5, 2.0, 2.25, 3.0] {
+        let erosion = Erosion { octaves, strength: 0.5 + octaves / 10.0, ..EROSION };
+        let alone = eroded(&mut Networks::new(Isa::active(), &erosion, 5), &mut whole(&erosion), &us, &vs);
+        let got = eroded(&mut shared, &mut whole(&erosion), &us, &vs);
+        assert!(erosion.shares_networks(&EROSION) && got.iter().zip(&alone).all(|(a, b)| a.to_bits() == b.to_bits()), "{octaves}");
+    }
+}
+
 /// Valleys lower the land; nowhere more than the range allows.
 #[test]
 fn erosion_only_lowers_and_flat_land_stays() {
     let (us, vs) = places(0.0, 0.05);
     let mut before = vec![0.0; us.len()];
     ground().heights(&us, &vs, &mut before);
-    let after = eroded(&mut Valleys::new(Isa::active(), &EROSION, 5, 0.0, &Stead::NONE), &us, &vs);
+    let after = eroded(&mut networks(Isa::active()), &mut whole(&EROSION), &us, &vs);
     let [low, high] = ground().0.range();
     assert!(before.iter().zip(&after).all(|(before, after)| after <= before));
     assert!(after.iter().all(|&height| height >= low - (high - low) * EROSION.greatest_cut() as f32));
     let mut flat = vec![0.25; us.len()];
-    Valleys::new(Isa::active(), &EROSION, 5, 0.0, &Stead::NONE).carve(&mut Flat, &us, &vs, &mut flat, 0);
+    whole(&EROSION).carve(&mut networks(Isa::active()), &mut Flat, &us, &vs, &mut flat, 0);
     assert!(flat.iter().all(|&height| height == 0.25));
 }
 
@@ -143,15 +165,19 @@ fn the_mean_stays_as_lattices_fade() {
     let side = 160;
     let at = |i: usize| i as f64 * 0.05;
     let (us, vs): (Vec<f64>, Vec<f64>) = (0..side * side).map(|i| (at(i % side), at(i / side))).unzip();
-    let mean_slope = Valleys::mean_slope(&EROSION, 5, &mut ground());
-    let mean = |spacing: f64| {
-        let heights = eroded(&mut Valleys::new(Isa::active(), &EROSION, 5, spacing, &Stead { mean_slope, ..Stead::NONE }), &us, &vs);
+    let mut networks = networks(Isa::active());
+    let mean_slope = networks.mean_slope(&mut ground());
+    let mut mean = |spacing: f64, gradual: bool| {
+        let mut valleys = Valleys::new(&EROSION, Fading { spacing, gradual }, &Stead { mean_slope, ..Stead::NONE });
+        let heights = eroded(&mut networks, &mut valleys, &us, &vs);
         heights.iter().map(|&h| f64::from(h)).sum::<f64>() / heights.len() as f64
     };
     let [low, high] = ground().0.range();
     let amplitude = f64::from(high - low) / 2.0;
-    let means: Vec<f64> = [0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32].map(mean).to_vec();
-    assert!(means.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.008 * amplitude), "{means:?}");
+    for gradual in [false, true] {
+        let means = [0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32].map(|spacing| mean(spacing, gradual));
+        assert!(means.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.008 * amplitude), "{gradual}: {means:?}");
+    }
 }
 
 /// What stands for valleys swings around its mean, never lower than the floor and never up.
@@ -162,7 +188,7 @@ fn what_stands_for_valleys_swings_and_keeps_its_floor() {
     let lowered = |floor: f32| {
         let stead = Stead { mean_slope: 0.5, floor, swings: Some(swings) };
         let (us, vs, mut heights) = ([0.0; 4], [0.0; 4], [1.0; 4]);
-        Valleys::new(Isa::active(), &EROSION, 5, 10.0, &stead).carve(&mut Flat, &us, &vs, &mut heights, 4);
+        Valleys::new(&EROSION, Fading { spacing: 10.0, gradual: false }, &stead).carve(&mut networks(Isa::active()), &mut Flat, &us, &vs, &mut heights, 4);
         heights
     };
     let free = lowered(f32::MIN);
@@ -206,12 +232,12 @@ fn mean_cuts(erosion: &Erosion, key: u64, ground: &mut Ground) -> [[f64; MAX_LEV
     let mean = |heights: &[f32]| heights.iter().map(|&h| f64::from(h)).sum::<f64>() / heights.len() as f64;
     let mut heights = vec![0.0; us.len()];
     ground.heights(&us, &vs, &mut heights);
-    let mut valleys = Valleys::new(Isa::active(), erosion, key, 0.0, &Stead::NONE);
+    let mut networks = Networks::new(Isa::active(), erosion, key);
     let (mut cuts, mut slopes) = ([0.0; MAX_LEVELS], [0.0; MAX_LEVELS]);
     for number in 0..MAX_LEVELS {
-        let (before, pitch) = (heights.clone(), valleys.levels[number].pitch);
+        let (before, pitch) = (heights.clone(), networks.levels[number].pitch);
         let mut slope = vec![0.0; us.len()];
-        carve(Isa::active(), &mut valleys.levels[..=number], ground, &us, &vs, [&mut heights, &mut slope], [1.0, 1.0]);
+        carve(Isa::active(), &mut networks.levels[..=number], ground, &us, &vs, [&mut heights, &mut slope], [1.0, 1.0]);
         (cuts[number], slopes[number]) = ((mean(&before) - mean(&heights)) / pitch, mean(&slope) / pitch);
     }
     core::array::from_fn(|k| core::array::from_fn(|by| cuts[k] / slopes[by]))
