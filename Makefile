@@ -54,6 +54,7 @@ pictures: viewer
 # Needs cargo-fuzz. What is found worth keeping stands in fuzz/corpus, which `make test` replays.
 fuzz:
 	RUSTC_BOOTSTRAP=1 $(CARGO) fuzz run programme -- -dict=fuzz/programme.dict -max_len=2048 -timeout=20 -max_total_time=$${TERRANE_FUZZ_SECONDS:-1800}
+	RUSTC_BOOTSTRAP=1 $(CARGO) fuzz run features -- -dict=fuzz/features.dict -max_len=4096 -timeout=20 -max_total_time=$${TERRANE_FUZZ_SECONDS:-1800}
 
 bench: viewer
 	$(CARGO) bench

@@ -1,17 +1,29 @@
 //! Replays what fuzzing has found worth keeping.
 
-#[path = "../../fuzz/fuzz_targets/check.rs"]
-mod check;
+#[path = "../../fuzz/fuzz_targets/check_features.rs"]
+mod check_features;
+#[path = "../../fuzz/fuzz_targets/check_programme.rs"]
+mod check_programme;
 
 use std::path::Path;
 
-#[test]
-fn the_corpus_of_the_fuzzer_holds() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus/programme");
+/// Runs a check over all files of a corpus, of which there are more than so many.
+fn replay(target: &str, least: usize, check: impl Fn(&[u8])) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(target);
     let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
-    assert!(files.len() > 100, "the corpus has {} files", files.len());
+    assert!(files.len() > least, "the corpus of {target} has {} files", files.len());
     for file in files {
-        check::programme(&std::fs::read(&file).unwrap());
+        check(&std::fs::read(&file).unwrap());
     }
+}
+
+#[test]
+fn the_corpus_of_programmes_holds() {
+    replay("programme", 100, check_programme::check);
+}
+
+#[test]
+fn the_corpus_of_features_holds() {
+    replay("features", 30, check_features::check);
 }

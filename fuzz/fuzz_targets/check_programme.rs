@@ -9,7 +9,7 @@ use terrane::{
 const MOST_NS: f64 = 5e7;
 
 /// Reads text, and what looks like JSON as JSON.
-pub(crate) fn programme(data: &[u8]) {
+pub(crate) fn check(data: &[u8]) {
     // The last byte chooses where and how finely the programme is looked at.
     let (place, text) = data.split_last().map_or((0, data), |(place, text)| (*place, text));
     let Ok(text) = std::str::from_utf8(text) else { return };
