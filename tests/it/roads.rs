@@ -83,6 +83,9 @@ async fn roads_are_answered_as_features_that_cut_and_fill_and_leave_rivers_alone
     }
     let again = client.send(Method::POST, "/worlds/w/generate", &[], ROADS.to_owned()).await;
     assert_eq!(again.status, StatusCode::OK, "over the roads that there are by now");
+    let again = again.json();
+    let is_bridge = |feature: &Value| feature["properties"]["kind"] == "bridge";
+    assert!(again["features"].as_array().unwrap().iter().any(is_bridge), "the river is seen beneath the layer of roads");
 }
 
 #[tokio::test]

@@ -82,7 +82,8 @@ impl Layer {
             if let Some(depth) = water_depth.get_mut(i) {
                 // Water that was there keeps its surface where the ground rises, and does not follow it down.
                 let kept = (under + *depth - elevation[i]).min(*depth).max(0.0);
-                let still = if *depth > 0.0 { kept / *depth } else { 0.0 };
+                // Of water that is too narrow for its depth to be seen, a metre of ground covers all.
+                let still = if *depth > 0.0 { kept / *depth } else { (1.0 + under - elevation[i]).clamp(0.0, 1.0) };
                 let brought = share
                     * match self.blend {
                         Blend::Replace | Blend::Add => own.water_depth[i],
