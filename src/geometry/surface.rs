@@ -9,6 +9,8 @@ pub struct Wanted {
     pub water: bool,
     /// Materials of the ground.
     pub materials: bool,
+    /// A page of the weights of materials: page n has those of numbers 4 n to 4 n + 3.
+    pub weights: Option<u8>,
 }
 
 /// The terrain over a window: one value a sample, row by row from north to south.
@@ -26,6 +28,11 @@ pub struct Surface {
     pub water_cover: Vec<f32>,
     /// 0 where the source knows of no material, else one more than the material's number in the source's list; empty if not [`Wanted`].
     pub material: Vec<u16>,
+    /// How much of a sample's ground is of each material, the numbers of one page: 0 … 255, over all pages 255 in every sample. Number 0 is what has no material.
+    /// Empty if not [`Wanted`].
+    pub weights: Vec<[u8; 4]>,
+    /// The page that they are of.
+    pub page: u8,
     /// How many node results were not finite and became 0.
     pub non_finite: u64,
 }
@@ -41,6 +48,10 @@ pub struct SurfaceRows<'a> {
     pub water_cover: &'a mut [f32],
     /// Empty if not wanted.
     pub material: &'a mut [u16],
+    /// Empty if not wanted.
+    pub weights: &'a mut [[u8; 4]],
+    /// The page that the weights are of.
+    pub page: u8,
 }
 
 impl Surface {
@@ -54,7 +65,7 @@ impl Surface {
     #[must_use]
     pub fn with(window: &Window, wanted: Wanted) -> Self {
         let samples = window.samples();
-        let [water, materials] = [wanted.water, wanted.materials].map(|wanted| if wanted { samples } else { 0 });
+        let [water, materials, weights] = [wanted.water, wanted.materials, wanted.weights.is_some()].map(|wanted| if wanted { samples } else { 0 });
         Self {
             columns: window.columns.len(),
             rows: window.rows.len(),
@@ -62,6 +73,8 @@ impl Surface {
             water_depth: vec![0.0; water],
             water_cover: vec![0.0; water],
             material: vec![0; materials],
+            weights: vec![[0; 4]; weights],
+            page: wanted.weights.unwrap_or(0),
             non_finite: 0,
         }
     }
@@ -70,11 +83,15 @@ impl Surface {
     pub fn bands_mut(&mut self, rows: usize) -> Vec<SurfaceRows<'_>> {
         let size = (self.columns * rows).max(1);
         let (mut depth, mut cover, mut material) = (self.water_depth.chunks_mut(size), self.water_cover.chunks_mut(size), self.material.chunks_mut(size));
+        let mut weights = self.weights.chunks_mut(size);
+        let page = self.page;
         let bands = self.elevation.chunks_mut(size).map(|elevation| SurfaceRows {
             elevation,
             water_depth: depth.next().unwrap_or_default(),
             water_cover: cover.next().unwrap_or_default(),
             material: material.next().unwrap_or_default(),
+            weights: weights.next().unwrap_or_default(),
+            page,
         });
         bands.collect()
     }

@@ -12,7 +12,7 @@ mod output;
 
 use super::{
     ContentHash, FieldSurface, Layout, LayoutSurface, Options, Selection,
-    generate::{GenerateError, Island, Stream, Styles, check},
+    generate::{GenerateError, Ground, Island, Stream, check},
 };
 use crate::{
     geometry::{Filter, PLANE_LIMIT, Rectangle, Window},
@@ -144,7 +144,9 @@ impl Scatter {
         let shelf = SHELF * template.rivers.spacing;
         // Half a cell must hold land and shelf of the largest island.
         check("scatter.cell", options.cell, 2.0 * (land + shelf) * options.scale[1]..=PLANE_LIMIT / 1024.0)?;
-        let styles = Styles::for_sea(template.rivers.spacing, 0, options.sea_level)?;
+        // Heights of a massif count from what lies beneath.
+        let options = if template.ground == Ground::Massif { ScatterOptions { sea_level: 0.0, ..options } } else { options };
+        let styles = template.styles(0, options.sea_level)?;
         let across = TILE * options.far_spacing / options.cell + 2.0;
         let expected = across * across * options.chance * places(&template);
         if expected > MOST_PLACES {
@@ -198,7 +200,7 @@ impl Scatter {
     fn generate(&self, place: &Place) -> Result<Layout, GenerateError> {
         let mut island = self.template.clone().scaled(place.scale);
         island.landmass.centre = place.centre;
-        let styles = Styles::for_sea(island.rivers.spacing, place.seed, self.options.sea_level)?;
+        let styles = island.styles(place.seed, self.options.sea_level)?;
         let features = island.features(place.seed, &styles)?;
         Layout::new(features, Options::default()).map_err(far::no_layout)
     }
@@ -270,19 +272,22 @@ impl Scatter {
         cost
     }
 
-    /// The terrain over a window, and the numbers of materials; `base` is what is beneath.
+    /// The terrain over a window, the numbers of materials, and the shares of all materials ([`Scatter::materials`], all of a sample together), which sum to 1 or 0;
+    /// `base` is what is beneath, `wanted` whether the cover of water, the numbers and the shares are wanted.
     ///
     /// # Panics
     /// If the base has not one elevation a sample.
     #[must_use]
-    pub fn sample(&self, window: &Window, base: &[f32], [cover, materials]: [bool; 2]) -> (LayoutSurface, Vec<u16>) {
+    pub fn sample(&self, window: &Window, base: &[f32], wanted: [bool; 3]) -> (LayoutSurface, Vec<u16>, Vec<f32>) {
+        let [cover, materials, shares] = wanted;
         assert!(base.len() == window.samples(), "one elevation a sample");
         let size = |wanted: bool| if wanted { base.len() } else { 0 };
         let fields = Vec::new();
         let (dry, water_cover) = (vec![0.0; size(cover)], vec![0.0; size(cover)]);
         let surface = LayoutSurface { elevation: base.to_vec(), water_depth: vec![0.0; base.len()], water_cover, dry, fields };
         let forms = self.forms(window.spacing(), window.filter);
-        let mut out = Output { surface, materials: vec![0; size(materials)], columns: window.columns.len() };
+        let names = self.materials.len();
+        let mut out = Output { surface, materials: vec![0; size(materials)], shares: vec![0.0; size(shares) * names], names, columns: window.columns.len() };
         if forms.constant < 1.0 {
             let columns = self.runs(window.columns.coordinates());
             for row in self.runs(window.rows.coordinates()) {
@@ -294,7 +299,7 @@ impl Scatter {
         if forms.constant > 0.0 {
             self.sample_means(base, forms.constant, &mut out);
         }
-        (out.surface, out.materials)
+        (out.surface, out.materials, out.shares)
     }
 
     /// The samples of one cell.
@@ -317,7 +322,7 @@ impl Scatter {
                 if share == 0.0 {
                     continue;
                 }
-                let mut island = near.as_ref().map_or(Sample::default(), |(near, materials)| Sample {
+                let mut island = near.as_ref().map_or(Sample::default(), |(near, materials, _)| Sample {
                     elevation: near.elevation[from].into(),
                     depth: near.water_depth[from].into(),
                     cover: near.water_cover.get(from).map_or(0.0, |&cover| cover.into()),
@@ -327,30 +332,43 @@ impl Scatter {
                 if forms.far > 0.0 {
                     island = island.mixed(&far.sample(distance, spacing), forms.far);
                 }
+                if self.template.ground == Ground::Massif {
+                    island.elevation += f64::from(out.surface.elevation[to]);
+                }
                 out.put(to, &island, share);
+                let own = near.as_ref().map_or(&[][..], |(_, _, shares)| shares.get(from * self.materials.len()..).unwrap_or_default());
+                out.put_shares(to, own, far.material(distance, spacing), [forms.far, share]);
             }
         }
     }
 
     /// The generated terrain of a cell; where no feature says anything there is the sea's floor.
-    fn near(&self, layout: &Layout, part: &Window, out: &Output) -> (LayoutSurface, Vec<u16>) {
+    fn near(&self, layout: &Layout, part: &Window, out: &Output) -> (LayoutSurface, Vec<u16>, Vec<f32>) {
         let number = layout.fields().iter().position(|field| *field.name == *"material");
-        let fields = number.filter(|_| !out.materials.is_empty()).into_iter().collect();
-        let selection = Selection { fields, cover: !out.surface.water_cover.is_empty(), fractions: false };
-        let mut surface = layout.sample(part, None, &selection);
-        let Some(FieldSurface::Names { heaviest, .. }) = surface.fields.pop() else { return (surface, Vec::new()) };
+        let fields = number.filter(|_| !out.materials.is_empty() || !out.shares.is_empty()).into_iter().collect();
+        let selection = Selection { fields, cover: !out.surface.water_cover.is_empty(), fractions: !out.shares.is_empty() };
+        let mut surface = layout.sample(part, far::beneath(&self.template, part.samples()).as_deref(), &selection);
+        let Some(FieldSurface::Names { heaviest, fractions }) = surface.fields.pop() else { return (surface, Vec::new(), Vec::new()) };
         // An island may know fewer materials than all do together.
         let names = number.map(|number| &layout.fields()[number].kind);
-        let Some(super::FieldKind::Names(names)) = names else { return (surface, Vec::new()) };
+        let Some(super::FieldKind::Names(names)) = names else { return (surface, Vec::new(), Vec::new()) };
         let numbers: Vec<u16> = names.iter().map(|name| self.materials.partition_point(|known| known < name) as u16 + 1).collect();
         let materials = heaviest.iter().map(|&own| if own == 0 { 0 } else { numbers[usize::from(own) - 1] }).collect();
-        (surface, materials)
+        let mut shares = vec![0.0; if out.shares.is_empty() { 0 } else { part.samples() * self.materials.len() }];
+        for (all, own) in shares.chunks_exact_mut(self.materials.len().max(1)).zip(fractions.chunks_exact(names.len().max(1))) {
+            own.iter().zip(&numbers).for_each(|(&share, &number)| all[usize::from(number) - 1] = share);
+        }
+        (surface, materials, shares)
     }
 
     /// Fades into the means of the whole layer.
     fn sample_means(&self, base: &[f32], part: f64, out: &mut Output) {
         let means = &self.far.means;
         for (i, &base) in base.iter().enumerate() {
+            if self.template.ground == Ground::Massif {
+                out.put(i, &Sample { elevation: f64::from(base) + means.elevation, ..Sample::default() }, part);
+                continue;
+            }
             let sea = if f64::from(base) < self.options.sea_level { 1.0 } else { 0.0 };
             let elevation = f64::from(base) * (1.0 - means.share) + means.elevation;
             let cover = sea * (1.0 - means.share) + means.cover;

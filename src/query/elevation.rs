@@ -23,7 +23,7 @@ pub fn elevation(world: &World, x: f64, y: f64, spacing: Option<f64>) -> Result<
         Some(spacing) => Window::point(x, y, spacing, Filter::Band)?,
         None => Window::point(x, y, 1.0, Filter::Exact)?,
     };
-    let ground = world.evaluate_with(&window, Wanted { water: true, materials: false });
+    let ground = world.evaluate_with(&window, Wanted { water: true, ..Wanted::default() });
     Ok(PointElevation { elevation: ground.elevation[0], water_depth: ground.water_depth[0] })
 }
 

@@ -175,6 +175,7 @@ impl FromRequestParts<App> for TilesetPath {
 struct TileQuery {
     filter: Option<String>,
     surface: Option<String>,
+    page: Option<String>,
 }
 
 /// A tile that there is.
@@ -202,7 +203,20 @@ impl FromRequestParts<App> for TilePath {
             Some("water") => return Err(ApiError::parameter("surface", format!("{} draws no heights: leave it out", tileset.name()))),
             Some(other) => return Err(ApiError::parameter("surface", format!("must be ground or water, got {other:?}"))),
         };
+        let tileset = paged(tileset, query.page.as_deref())?;
         Ok(Self(TileRequest { grid, tile, samples, filter, tileset, height }))
+    }
+}
+
+/// The page of a tileset that has pages.
+pub(super) fn paged(tileset: Tileset, page: Option<&str>) -> Result<Tileset, ApiError> {
+    match (tileset, page) {
+        (tileset, None) => Ok(tileset),
+        (Tileset::Weights(_), Some(page)) => {
+            let number = page.parse::<u8>().ok().filter(|number| *number < 64);
+            number.map(Tileset::Weights).ok_or_else(|| ApiError::parameter("page", format!("must be a whole number 0 … 63, got {page:?}")))
+        }
+        (tileset, Some(_)) => Err(ApiError::parameter("page", format!("{} has no pages: leave it out", tileset.name()))),
     }
 }
 

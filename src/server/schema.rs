@@ -227,20 +227,29 @@ pub(super) struct TileJson {
     /// How elevation is packed; not there for pictures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub encoding: Option<&'static str>,
-    /// What the numbers of `materials` mean, and the colours of `relief`; 0 is none.
+    /// What the numbers of `materials` mean, the channels of `weights`, and the colours of `relief`; 0 is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub materials: Option<Vec<MaterialSchema>>,
+    /// How many pages `weights` has; the tiles here are those of one page.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pages: Option<usize>,
 }
 
 /// A material of the ground.
 #[derive(Serialize, ToSchema)]
 #[schema(as = Material)]
 pub(super) struct MaterialSchema {
-    /// Its number in tiles, 1 … 255.
+    /// Its number in tiles, 1 … 255; 0 in `weights` is ground of no material.
     pub id: usize,
     pub name: String,
     /// `#rrggbb`.
     pub colour: String,
+    /// The page of `weights` that has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub page: Option<usize>,
+    /// The channel of that page: `r`, `g`, `b` or `a`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<&'static str>,
 }
 
 /// A layer of vector tiles.

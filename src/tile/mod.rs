@@ -67,7 +67,10 @@ impl TileRequest {
         if self.height == Height::Water {
             form += "\nwater's surface";
         }
-        if self.tileset.wanted().materials {
+        if let Tileset::Weights(page) = self.tileset {
+            form.extend(["\npage ", &page.to_string()]);
+        }
+        if self.tileset.has_materials() {
             form.push_str("\nmaterials");
             legend.materials.iter().for_each(|name| form.extend([" ", &format!("{name:?}")]));
         }

@@ -21,6 +21,11 @@ pub(super) fn colours(columns: usize, rows: usize, bytes: &[u8]) -> Result<Vec<u
     write(columns, rows, bytes, ExtendedColorType::Rgb8)
 }
 
+/// Four bytes a pixel.
+pub(super) fn channels(columns: usize, rows: usize, bytes: &[u8]) -> Result<Vec<u8>, EncodeError> {
+    write(columns, rows, bytes, ExtendedColorType::Rgba8)
+}
+
 /// One grey a pixel.
 pub(super) fn grey(columns: usize, rows: usize, greys: &[u8]) -> Result<Vec<u8>, EncodeError> {
     write(columns, rows, greys, ExtendedColorType::L8)

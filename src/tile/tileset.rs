@@ -18,6 +18,8 @@ pub enum Tileset {
     Water,
     /// Numbers of materials as grey PNG: 0 none, n the one at n - 1 of the legend.
     Materials,
+    /// How much of each sample's ground is of each material, four materials a page, as RGBA PNG: over all pages 255 in every pixel.
+    Weights(u8),
     /// Land and sea in the colours of their height, water and materials, shaded, as RGB PNG.
     Relief,
     /// Contour lines as a vector tile.
@@ -73,13 +75,14 @@ pub enum EncodeError {
 
 impl Tileset {
     /// Every tileset.
-    pub const ALL: [Tileset; 9] = [
+    pub const ALL: [Tileset; 10] = [
         Tileset::Terrarium,
         Tileset::TerrainRgb,
         Tileset::R32,
         Tileset::Hillshade,
         Tileset::Water,
         Tileset::Materials,
+        Tileset::Weights(0),
         Tileset::Relief,
         Tileset::Contours,
         Tileset::Features,
@@ -95,13 +98,14 @@ impl Tileset {
             Tileset::Hillshade => "hillshade",
             Tileset::Water => "water",
             Tileset::Materials => "materials",
+            Tileset::Weights(_) => "weights",
             Tileset::Relief => "relief",
             Tileset::Contours => "contours",
             Tileset::Features => "features",
         }
     }
 
-    /// The tileset of a name.
+    /// The tileset of a name; of pages the first.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|tileset| tileset.name() == name)
@@ -134,7 +138,7 @@ impl Tileset {
             Tileset::Terrarium => Some("terrarium"),
             Tileset::TerrainRgb => Some("mapbox"),
             Tileset::R32 => Some("f32"),
-            Tileset::Hillshade | Tileset::Water | Tileset::Materials | Tileset::Relief | Tileset::Contours | Tileset::Features => None,
+            _ => None,
         }
     }
 
@@ -148,6 +152,7 @@ impl Tileset {
             Tileset::Hillshade => "hillshade.png 1",
             Tileset::Water => "water.png 1",
             Tileset::Materials => "materials.png 1",
+            Tileset::Weights(_) => "weights.png 1",
             Tileset::Relief => "relief.png 1",
             Tileset::Contours => "contours.mvt 1",
             Tileset::Features => "features.mvt 1",
@@ -177,7 +182,14 @@ impl Tileset {
     /// What it needs of a surface beside elevations.
     #[must_use]
     pub fn wanted(self) -> Wanted {
-        Wanted { water: matches!(self, Tileset::Water | Tileset::Relief), materials: matches!(self, Tileset::Materials | Tileset::Relief) }
+        let weights = if let Tileset::Weights(page) = self { Some(page) } else { None };
+        Wanted { water: matches!(self, Tileset::Water | Tileset::Relief), materials: matches!(self, Tileset::Materials | Tileset::Relief), weights }
+    }
+
+    /// Whether the numbers and names of materials enter its bytes.
+    #[must_use]
+    pub fn has_materials(self) -> bool {
+        matches!(self, Tileset::Materials | Tileset::Weights(_) | Tileset::Relief)
     }
 
     /// Whether it draws heights, of the ground or of the water's surface.
@@ -199,6 +211,7 @@ impl Tileset {
             Tileset::Hillshade => png::grey(inner[0], inner[1], &hillshade::shade(surface, spacing)),
             Tileset::Water => png::grey(inner[0], inner[1], &water::greys(surface, spacing, legend.sea_level as f32)),
             Tileset::Materials => png::grey(surface.columns, surface.rows, &materials::numbers(surface)),
+            Tileset::Weights(_) => png::channels(surface.columns, surface.rows, surface.weights.as_flattened()),
             Tileset::Relief => png::colours(inner[0], inner[1], &relief::draw_with(surface, spacing, &Ramp::of(legend), legend)),
             Tileset::Contours => Ok(contours::draw(surface, contours::interval(spacing))),
             // A surface has no features.

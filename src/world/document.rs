@@ -2,12 +2,11 @@
 
 use super::{
     base::{Base, ElevationRange, WrittenBase, WrittenRange, vertical},
-    layer::{FeatureSets, Layer, Setting, WrittenLayer, generated, layers},
+    layer::{FeatureSets, Layer, Setting, WrittenLayer, layers},
     number::{optional_whole_number, whole, whole_number},
     problem::{Checks, DocumentError, check_cost, read},
     revision::Revision,
 };
-use crate::layout::geojson::Collection;
 use serde::{Deserialize, Serialize};
 
 /// The newest generator version: the code that turns documents into elevations.
@@ -78,14 +77,6 @@ impl Document {
     /// As [`Document::parse`].
     pub fn parse_stored(json: &[u8], sets: &FeatureSets) -> Result<Self, DocumentError> {
         read::<Written>(json)?.complete(sets)
-    }
-
-    /// The features that generators make in this world, `{"generate": …}` or a list of such items, as they would be drawn.
-    ///
-    /// # Errors
-    /// If the bytes are not JSON, or with every problem that could be found.
-    pub fn generate(&self, json: &[u8]) -> Result<Collection, DocumentError> {
-        generated(json, &Setting { seed: self.seed, sea_level: self.sea_level, sets: &FeatureSets::default() })
     }
 
     /// The document as indented JSON.

@@ -4,6 +4,7 @@ use super::{
     Document, Revision,
     fingerprint::Prefix,
     layer::{Below, materials},
+    weights,
 };
 use crate::{
     geometry::{Filter, Legend, Source, Surface, SurfaceRows, Wanted, Window},
@@ -13,6 +14,9 @@ use rayon::prelude::*;
 
 /// Rows that one thread evaluates at a time.
 const BAND_ROWS: usize = 64;
+
+/// Rows of weights of materials that are evaluated at a time: all materials of a sample are kept till then.
+const WEIGHT_ROWS: usize = 16;
 
 /// A document with its compiled programme.
 ///
@@ -113,8 +117,9 @@ impl World {
     pub fn evaluate_parallel_with(&self, window: &Window, wanted: Wanted) -> Surface {
         let mut surface = Surface::with(window, wanted);
         let columns = surface.columns.max(1);
-        let bands = surface.bands_mut(BAND_ROWS);
-        let fill = |(i, rows): (usize, SurfaceRows)| self.fill(&window.band(i * BAND_ROWS, rows.elevation.len() / columns), rows);
+        let height = if surface.weights.is_empty() { BAND_ROWS } else { WEIGHT_ROWS };
+        let bands = surface.bands_mut(height);
+        let fill = |(i, rows): (usize, SurfaceRows)| self.fill(&window.band(i * height, rows.elevation.len() / columns), rows);
         surface.non_finite = bands.into_par_iter().enumerate().map(fill).sum();
         surface
     }
@@ -127,9 +132,11 @@ impl World {
             *value = datum + amplitude * *value;
         }
         let mut dry = vec![0.0; rows.water_cover.len()];
+        let mut shares = weights::base(rows.weights.len(), self.materials.len());
         for (i, materials) in &self.order {
-            rows = self.document.layers[*i].lay(window, Below { rows, dry: &mut dry, materials });
+            rows = self.document.layers[*i].lay(window, Below { rows, dry: &mut dry, materials, shares: &mut shares });
         }
+        weights::write(&shares, self.materials.len(), rows.page, rows.weights);
         let (min, max) = (self.document.elevation.min as f32, self.document.elevation.max as f32);
         for value in &mut *rows.elevation {
             *value = value.clamp(min, max);
@@ -158,8 +165,10 @@ impl Source for World {
     }
 
     fn sample(&self, window: &Window, surface: &mut Surface) {
-        let bands = surface.bands_mut(window.rows.len());
-        let non_finite: u64 = bands.into_iter().map(|rows| self.fill(window, rows)).sum();
+        let columns = surface.columns.max(1);
+        let height = if surface.weights.is_empty() { window.rows.len() } else { WEIGHT_ROWS };
+        let bands = surface.bands_mut(height).into_iter().enumerate();
+        let non_finite: u64 = bands.map(|(i, rows)| self.fill(&window.band(i * height, rows.elevation.len() / columns), rows)).sum();
         surface.non_finite += non_finite;
     }
 }

@@ -12,8 +12,10 @@ mod number;
 mod preset;
 mod problem;
 mod revision;
+mod roads;
 mod shader;
 mod survey;
+mod weights;
 
 pub use base::{Base, ElevationRange};
 pub use document::{Document, GENERATOR};

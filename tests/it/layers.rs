@@ -6,17 +6,17 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use terrane::{
-    geometry::{Filter, Grid, Rectangle, Samples, Tile, Wanted, Window},
+    geometry::{Filter, Grid, Rectangle, Samples, Surface, Tile, Wanted, Window},
     layout::{
         Feature, Layout, Role, Scatter, ScatterOptions,
-        generate::{Island, Landmass, Rivers, Styles},
+        generate::{Ground, Island, Landmass, Rivers, Styles},
     },
     noise,
     tile::{Height, TileRequest, Tileset, render},
     world::{Document, EXAMPLES, World},
 };
 
-const ALL: Wanted = Wanted { water: true, materials: true };
+const ALL: Wanted = Wanted { water: true, materials: true, weights: Some(0) };
 
 #[expect(clippy::needless_pass_by_value, reason = "json! makes values")]
 fn document(layers: Value) -> String {
@@ -122,6 +122,7 @@ fn threads_and_parts_do_not_change_a_bit() {
                 assert_eq!(part.water_depth[i * 50..][..50], whole.water_depth[at..at + 50]);
                 assert_eq!(part.water_cover[i * 50..][..50], whole.water_cover[at..at + 50]);
                 assert_eq!(part.material[i * 50..][..50], whole.material[at..at + 50]);
+                assert_eq!(part.weights[i * 50..][..50], whole.weights[at..at + 50]);
             }
         }
         assert!(whole.elevation.iter().zip(&whole.water_depth).all(|(ground, depth)| *depth >= (0.0 - ground).max(0.0)), "the sea stands at 0");
@@ -215,9 +216,10 @@ fn a_tile_touches_few_cells_at_any_zoom() {
         rivers: Rivers { spacing: 500.0, rounds: 2, ..Rivers::default() },
         ..Island::default()
     };
-    for cell in [13_000.0, 20_000.0, 41_234.5] {
+    for (cell, ground) in [(13_000.0, Ground::Island), (20_000.0, Ground::Massif), (41_234.5, Ground::Island)] {
+        let island = Island { ground, ..island.clone() };
         let options = ScatterOptions { cell, seed: 9, chance: 0.8, scale: [0.5, 1.0], far_spacing: cell / 32.0, sea_level: 0.0 };
-        let scatter = Scatter::new(island.clone(), options).unwrap();
+        let scatter = Scatter::new(island, options).unwrap();
         let mut most = 0;
         for z in 0..=24 {
             for grid in Grid::ALL {
@@ -231,18 +233,55 @@ fn a_tile_touches_few_cells_at_any_zoom() {
     }
 }
 
+/// Hills with mountains scattered over them.
+fn massifs() -> World {
+    let template = json!({"generate": "massif", "landmass": {"radius": 3000}, "rivers": {"spacing": 500, "rounds": 2}});
+    world(layer(json!({"scatter": {"cell": 14_000, "chance": 0.7, "scale": [0.5, 1], "template": template}})))
+}
+
+#[test]
+fn massifs_rise_above_the_land_and_leave_the_rest_of_it() {
+    let (with, without) = (massifs(), world(json!([])));
+    let window = Window::area([0.0, 0.0, 42_000.0, 42_000.0], 150.0, Filter::Band, 1 << 20).unwrap();
+    let [mountains, land] = [&with, &without].map(|world| world.evaluate_with(&window, ALL));
+    let rises: Vec<f32> = mountains.elevation.iter().zip(&land.elevation).map(|(above, below)| above - below).collect();
+    let (high, same) = (rises.iter().filter(|&&rise| rise > 60.0).count(), rises.iter().filter(|&&rise| rise == 0.0).count());
+    assert!(high > rises.len() / 40 && same > rises.len() / 4, "{high} high, {same} the same of {}", rises.len());
+    assert!(rises.iter().all(|&rise| rise > -1.0), "nothing is dug");
+    let wet = |surface: &Surface| surface.water_depth.iter().filter(|&&depth| depth > 0.0).count();
+    assert!(wet(&mountains) <= wet(&land), "mountains bring no water");
+    // The same land stands beneath wherever and however large the samples are.
+    let relief = f64::from(rises.iter().fold(0.0_f32, |most, &rise| most.max(rise)));
+    for spacing in (0..10).map(|i| 60.0 * f64::from(1 << i)) {
+        let side = 64.0 * spacing;
+        let area = |spacing| with.evaluate(&Window::area([0.0, 0.0, side, side], spacing, Filter::Band, 1 << 20).unwrap());
+        let (children, parents) = (area(spacing / 2.0), area(spacing));
+        let mean = |row: usize, column: usize| {
+            [0, 1].map(|i| children.row(2 * row + i)[2 * column..2 * column + 2].iter().map(|&h| f64::from(h)).sum::<f64>()).iter().sum::<f64>() / 4.0
+        };
+        let squares: f64 = (0..4096).map(|i| (f64::from(parents.at(i / 64, i % 64)) - mean(i / 64, i % 64)).powi(2)).sum();
+        let percent = (squares / 4096.0).sqrt() / relief * 100.0;
+        assert!(percent <= 10.0, "{percent:.2} % of {relief} m at {spacing} m");
+    }
+}
+
 #[test]
 fn an_endless_layout_does_not_remember_what_was_asked() {
+    do_not_remember(|| example("archipelago-endless"));
+    do_not_remember(massifs);
+}
+
+fn do_not_remember(world: impl Fn() -> World) {
     let places = [(10, 512, 511), (12, 2050, 2044), (8, 128, 127), (13, 4100, 4090), (7, 60, 66), (12, 2050, 2045), (5, 16, 15)];
     let tile = |world: &World, (z, x, y): (u8, i64, i64), tileset: Tileset| {
         let request =
             TileRequest { grid: Grid::Web, tile: Tile { z, x, y }, samples: Samples::Centres(64), filter: Filter::Band, tileset, height: Height::Ground };
         render(world, &request).unwrap()
     };
-    for tileset in [Tileset::R32, Tileset::Relief] {
+    for tileset in [Tileset::R32, Tileset::Relief, Tileset::Weights(0)] {
         // Each from a world that nobody asked before.
-        let fresh: Vec<_> = places.iter().map(|&place| tile(&example("archipelago-endless"), place, tileset)).collect();
-        let world = example("archipelago-endless");
+        let fresh: Vec<_> = places.iter().map(|&place| tile(&world(), place, tileset)).collect();
+        let world = world();
         for (place, want) in places.iter().zip(&fresh).rev() {
             assert!(tile(&world, *place, tileset) == *want, "{place:?}");
         }
@@ -388,6 +427,59 @@ async fn water_and_materials_are_served() {
     assert!(ground.iter().any(|&h| h < -100.0) && surface.iter().all(|&h| h >= 0.0), "the sea's surface is at 0");
     assert_eq!(client.get("/worlds/hills/web/water/3/4/2.png?surface=water").await.status, StatusCode::BAD_REQUEST);
     assert_eq!(client.get("/worlds/hills/web/r32/3/4/2.bin?surface=sky").await.status, StatusCode::BAD_REQUEST);
+}
+
+#[test]
+fn weights_of_materials_sum_to_255_and_agree_with_the_heaviest() {
+    for name in ["archipelago-endless", "ridges-and-rivers", "alps"] {
+        let world = example(name);
+        let pages = world.materials().len() / 4 + 1;
+        for spacing in [60.0, 900.0] {
+            let window = Window::area([-40.0 * spacing, -40.0 * spacing, 40.0 * spacing, 40.0 * spacing], spacing, Filter::Band, 1 << 20).unwrap();
+            let all: Vec<_> =
+                (0..pages as u8).map(|page| world.evaluate_with(&window, Wanted { materials: true, weights: Some(page), ..Wanted::default() })).collect();
+            let mut mixed = 0;
+            for i in 0..window.samples() {
+                let weights: Vec<u8> = all.iter().flat_map(|surface| surface.weights[i]).collect();
+                assert_eq!(weights.iter().map(|&weight| u32::from(weight)).sum::<u32>(), 255);
+                let heaviest = weights[usize::from(all[0].material[i])];
+                // Between near and far forms the heaviest of either shows.
+                assert!(
+                    spacing > 60.0 || weights.iter().all(|&weight| weight <= heaviest.saturating_add(1)),
+                    "{name} {spacing}: {weights:?} {}",
+                    all[0].material[i]
+                );
+                mixed += usize::from(heaviest < 250);
+            }
+            assert!(mixed > 100 || name != "ridges-and-rivers", "{name}: {mixed}");
+        }
+    }
+}
+
+#[tokio::test]
+async fn weights_are_served_page_by_page() {
+    let client = Client::new().await;
+    let at = "/worlds/ridges-and-rivers/metric/weights";
+    let tilejson = client.get(at).await.json();
+    let legend: Vec<(u64, &str, u64, &str)> = tilejson["materials"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|entry| (entry["id"].as_u64().unwrap(), entry["name"].as_str().unwrap(), entry["page"].as_u64().unwrap(), entry["channel"].as_str().unwrap()))
+        .collect();
+    assert_eq!(legend, [(0, "", 0, "r"), (1, "grass", 0, "g"), (2, "gravel", 0, "b"), (3, "rock", 0, "a"), (4, "sand", 1, "r")]);
+    assert_eq!(tilejson["pages"], 2);
+    assert!(client.get(&format!("{at}?page=1")).await.json()["tiles"][0].as_str().unwrap().ends_with("@2x.png?page=1"));
+    let pages = [0, 1].map(|page| format!("{at}/12/0/0.png?page={page}"));
+    let tiles = [client.get(&pages[0]).await, client.get(&pages[1]).await];
+    assert_ne!(tiles[0].header("etag"), tiles[1].header("etag"));
+    let pictures = tiles.map(|tile| image::load_from_memory(&tile.body).unwrap());
+    assert_eq!(pictures[0].color(), image::ColorType::Rgba8);
+    let sums =
+        pictures[0].as_bytes().chunks(4).zip(pictures[1].as_bytes().chunks(4)).map(|(a, b)| a.iter().chain(b).map(|&weight| u32::from(weight)).sum::<u32>());
+    assert!(sums.into_iter().all(|sum| sum == 255));
+    assert_eq!(client.get(&format!("{at}/12/0/0.png?page=64")).await.status, StatusCode::BAD_REQUEST);
+    assert_eq!(client.get("/worlds/ridges-and-rivers/metric/relief/12/0/0.png?page=1").await.status, StatusCode::BAD_REQUEST);
 }
 
 #[tokio::test]

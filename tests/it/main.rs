@@ -16,6 +16,7 @@ mod library;
 mod openapi;
 mod program;
 mod properties;
+mod roads;
 mod shader;
 mod tidy;
 mod writes;

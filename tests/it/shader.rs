@@ -64,6 +64,8 @@ fn every_example_world_is_valid_wgsl_and_glsl() {
             continue;
         }
         check_wgsl(example.name, &world.shader(ShaderLanguage::Wgsl).unwrap(), "terrane_elevation");
+        let says_so = world.shader(ShaderLanguage::Glsl).unwrap().starts_with("// The base of the world alone, without what lies above it: its layers (");
+        assert_eq!(says_so, !world.document().layers.is_empty(), "{}", example.name);
         check_glsl(example.name, &world.shader(ShaderLanguage::Glsl).unwrap(), "terrane_elevation");
     }
 }

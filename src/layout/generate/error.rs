@@ -27,6 +27,14 @@ pub enum GenerateError {
         /// What is wrong with it.
         reason: &'static str,
     },
+    /// Something that is wrong only together with the terrain or with other features.
+    #[error("{place}: {reason}")]
+    Unfit {
+        /// The generator and its parameter.
+        place: String,
+        /// What is wrong and what would be right.
+        reason: String,
+    },
     /// More features than a layout may have.
     #[error("{place}: about {expected:.0} points would be needed, {limit} are allowed; choose a wider spacing or a smaller land")]
     TooMany {

@@ -1,7 +1,17 @@
-//! An island: all generators in a row.
+//! An island or a massif: all generators in a row.
 
 use super::{Conflict, GenerateError, Lakes, Landmass, Ridges, Rivers, Styles, resolve};
 use crate::layout::Feature;
+
+/// What stands on the outline of a land.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ground {
+    /// Land in the sea.
+    #[default]
+    Island,
+    /// Mountains on land: crests and dry valleys that come down to the outline, as heights above what lies beneath.
+    Massif,
+}
 
 /// A land with rivers, lakes and ridges: Benjaminsen's layouts "ridges and rivers" and "ridges, rivers and lakes" (2021, section 6.1).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -14,6 +24,8 @@ pub struct Island {
     pub lakes: Option<Lakes>,
     /// Its ridges.
     pub ridges: Ridges,
+    /// Whether it stands in the sea or on land.
+    pub ground: Ground,
 }
 
 impl Island {
@@ -27,6 +39,23 @@ impl Island {
     #[must_use]
     pub fn ridges_rivers_and_lakes() -> Self {
         Island { lakes: Some(Lakes::default()), ..Island::default() }
+    }
+
+    /// Crests and dry valleys on land.
+    #[must_use]
+    pub fn massif() -> Self {
+        Island { ground: Ground::Massif, ..Island::default() }
+    }
+
+    /// The styles that suit it.
+    ///
+    /// # Errors
+    /// If the rivers' spacing or the sea's elevation is outside its range.
+    pub fn styles(&self, seed: u64, sea_level: f64) -> Result<Styles, GenerateError> {
+        match self.ground {
+            Ground::Island => Styles::for_sea(self.rivers.spacing, seed, sea_level),
+            Ground::Massif => Styles::for_massif(self.rivers.spacing, seed),
+        }
     }
 
     /// The same island in another size: all lengths of the plane times `factor`, slopes as they are.

@@ -4,6 +4,8 @@
 //! [`resolve`] cuts what is in conflict. Each takes features, which may be drawn by hand, and a [`Style`] with attributes, and gives features. [`Island`] is all of
 //! them in a row. Everything follows from the seed: random numbers are hashes, arithmetic is IEEE's alone, and nothing depends on threads or the machine.
 //!
+//! [`Roads`] join places over terrain that is finished.
+//!
 //! Why the water finds its way: rivers keep a regular distance, ridges lie on the Voronoi diagram of the waters, halfway between them, and rise above the highest
 //! of the waters near them by their distance. So on every line from a ridge to its river all that is merged falls.
 //!
@@ -30,6 +32,7 @@ mod random;
 mod read;
 mod ridges;
 mod rivers;
+mod roads;
 mod style;
 mod untangle;
 mod voronoi;
@@ -37,11 +40,12 @@ mod water;
 
 pub use conflict::{Conflict, resolve};
 pub use error::GenerateError;
-pub use island::Island;
+pub use island::{Ground, Island};
 pub use lakes::Lakes;
 pub use landmass::Landmass;
 pub use ridges::Ridges;
 pub use rivers::Rivers;
+pub use roads::{Place, Road, Roads};
 pub use style::{Style, Styles};
 
 pub(super) use error::check;

@@ -76,6 +76,23 @@ impl Styles {
         Self::for_sea(spacing, seed, 0.0)
     }
 
+    /// Styles of mountains on land, as heights above what lies beneath: as [`Styles::for_spacing`], without sea and water.
+    ///
+    /// # Errors
+    /// If the spacing is not 1 … 1,000,000 m.
+    pub fn for_massif(spacing: f64, seed: u64) -> Result<Self, GenerateError> {
+        let mut styles = Self::for_spacing(spacing, seed)?;
+        let without = |style: &mut Style, gone: &dyn Fn(&Attribute) -> bool| -> Result<(), GenerateError> {
+            let kept = style.attributes.iter().filter(|attribute| !gone(attribute)).cloned().collect();
+            style.attributes = Arc::new(AttributeSet::new(kept)?);
+            Ok(())
+        };
+        let is_sand = |attribute: &Attribute| attribute.value == Value::Name("sand".into());
+        without(&mut styles.land, &|attribute| attribute.side == Side::Outside || is_sand(attribute))?;
+        without(&mut styles.rivers, &|attribute| *attribute.name == *"water_depth")?;
+        Ok(styles)
+    }
+
     /// As [`Styles::for_spacing`], with the sea at another elevation in metres.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 use super::{
     error::GenerateError,
     lakes::Lakes,
+    plane::{Area, Point, crossing},
     read::{Water, flat, lines, rings},
     rivers::Rivers,
     style::Style,
@@ -18,7 +19,8 @@ impl Rivers {
     /// style's attributes hold for a source and grow with the water. Where the style's fractal detail would let two waters cross it becomes less.
     ///
     /// # Errors
-    /// A parameter outside its range, a land that is no polygon with elevations, a drawn river that is no line, or attributes that do not fit.
+    /// A parameter outside its range, a land that is no polygon with elevations, a drawn river that is no line on the land or crosses another, or attributes that
+    /// do not fit.
     pub fn features(
         &self,
         land: &[Feature],
@@ -38,6 +40,7 @@ impl Rivers {
             }
         }
         let drawn: Vec<_> = lines(drawn).iter().map(|water| flat(&water.line)).collect();
+        self.check_drawn(land, &drawn)?;
         let mut network = self.grow(&rings(land), &drawn, seed)?;
         if let Some((lakes, _)) = lakes {
             lakes.flood(&mut network, self.spacing, seed)?;
@@ -57,5 +60,32 @@ impl Rivers {
             features.push(styles(k).feature(&water.line, water.closed, &attributes, detail)?);
         }
         Ok(features)
+    }
+
+    /// Checks that rivers drawn by hand lie on the land, their lower ends perhaps on its shore, and meet no others but at vertices of both.
+    fn check_drawn(&self, land: &[Feature], drawn: &[Vec<Point>]) -> Result<(), GenerateError> {
+        let rings: Vec<Vec<Point>> = rings(land).iter().map(|ring| flat(ring)).collect();
+        let area = Area::of(rings.iter().map(Vec::as_slice), self.spacing);
+        let wrong = |index: usize, reason: String| Err(GenerateError::Unfit { place: format!("rivers.drawn[{index}]"), reason });
+        for (index, line) in drawn.iter().enumerate() {
+            for (vertex, &p) in line.iter().enumerate() {
+                let is_end = vertex == 0 || vertex + 1 == line.len();
+                let is_mouth = is_end && rings.iter().any(|ring| ring.contains(&p));
+                if !area.contains(p) && !is_mouth {
+                    return wrong(index, format!("vertex {vertex} lies outside the land, at {} {}", p[0], p[1]));
+                }
+            }
+            for (vertex, pair) in line.windows(2).enumerate() {
+                let piece = [pair[0], pair[1]];
+                let meets = |other: &[Point]| !other.iter().any(|end| piece.contains(end)) && crossing(piece, [other[0], other[1]]).is_some();
+                if let Some(other) = (0..=index).find(|&other| drawn[other].windows(2).any(meets)) {
+                    return wrong(index, format!("crosses drawn[{other}] between vertices {vertex} and {} other than at a vertex of both", vertex + 1));
+                }
+                if area.edges().around(piece, 0.0).into_iter().any(|edge| meets(&area.edges().segments()[edge])) {
+                    return wrong(index, format!("crosses the shore between vertices {vertex} and {}", vertex + 1));
+                }
+            }
+        }
+        Ok(())
     }
 }

@@ -236,6 +236,14 @@ impl Drawn {
         self.rest.as_deref()
     }
 
+    /// Gives it properties that have no influence on the terrain, in the place of those that it had. Names that features have otherwise are left out.
+    pub fn describe(&mut self, properties: &serde_json::Map<String, Value>) {
+        let own = |name: &str| matches!(name, "attributes" | "radius" | "elevation" | "along" | "detail" | "precedence");
+        let rest: serde_json::Map<String, Value> =
+            properties.iter().filter(|(name, _)| !own(name)).map(|(name, value)| (name.clone(), value.clone())).collect();
+        self.rest = (!rest.is_empty()).then(|| Value::Object(rest).to_string().into());
+    }
+
     /// The features of a layout that it stands for: one, or several by its detail. A problem is a place below the feature and what is wrong there.
     pub(super) fn features(&self, sets: [&Sets; 2]) -> Result<Vec<Feature>, (&'static str, String)> {
         let find = |attributes: &Attributes, place: &'static str| match attributes {

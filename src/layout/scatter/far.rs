@@ -5,7 +5,7 @@ use crate::{
     geometry::{Filter, Window, WindowError},
     layout::{
         FieldKind, FieldSurface, Layout, LayoutError, Options, Selection,
-        generate::{GenerateError, Island, Styles},
+        generate::{GenerateError, Ground, Island, Styles},
     },
     noise,
 };
@@ -38,6 +38,13 @@ pub(super) struct Far {
     /// All materials that islands have, in lexical order.
     pub materials: Box<[Box<str>]>,
     pub means: Means,
+    /// Whether it is land in the sea; else heights above what lies beneath.
+    is_island: bool,
+}
+
+/// What lies beneath a template where none of its features says anything: of a massif, nothing above the ground.
+pub(super) fn beneath(template: &Island, samples: usize) -> Option<Vec<f32>> {
+    (template.ground == Ground::Massif).then(|| vec![0.0; samples])
 }
 
 /// The far form of one island.
@@ -64,7 +71,8 @@ impl Far {
             let seed = noise::key(options.seed, number);
             let layout = Layout::new(island.features(seed, styles)?, Options::default());
             let layout = layout.map_err(no_layout)?;
-            let surface = layout.sample(&window, None, &Selection { fractions: false, cover: false, ..layout.everything() });
+            let surface =
+                layout.sample(&window, beneath(template, window.samples()).as_deref(), &Selection { fractions: false, cover: false, ..layout.everything() });
             let ring = island.landmass.coarse(seed);
             let points = window.rows.coordinates().flat_map(|y| window.columns.coordinates().map(move |x| [x, y]));
             for (p, &elevation) in points.zip(&surface.elevation) {
@@ -77,7 +85,8 @@ impl Far {
         weights.sort();
         let material = weights.iter().enumerate().max_by_key(|(i, (_, count))| (*count, usize::MAX - i)).map_or(0, |(i, _)| i as u16 + 1);
         let materials = weights.into_iter().map(|(name, _)| name).collect();
-        Ok(Self { integral: integral(&sums, step), first, step, material, materials, means: Means::default() })
+        let is_island = template.ground == Ground::Island;
+        Ok(Self { integral: integral(&sums, step), first, step, material, materials, means: Means::default(), is_island })
     }
 
     /// The far form of an island.
@@ -165,6 +174,12 @@ impl FarCell<'_> {
         let height = (self.far.integral(distance + 0.5 * size) - self.far.integral(distance - 0.5 * size)) / size;
         let cover = (0.5 + distance / size).clamp(0.0, 1.0);
         let material = if cover < 0.5 { self.far.material } else { 0 };
-        Sample { elevation: self.sea_level + self.scale * height, depth: 0.0, cover, dry: 1.0 - cover, material }
+        let [cover, dry] = if self.far.is_island { [cover, 1.0 - cover] } else { [0.0; 2] };
+        Sample { elevation: self.sea_level + self.scale * height, depth: 0.0, cover, dry, material }
+    }
+
+    /// The material that samples of a size in metres see at a distance from the coast.
+    pub(super) fn material(&self, distance: f64, spacing: f64) -> u16 {
+        if 0.5 + distance / spacing < 0.5 { self.far.material } else { 0 }
     }
 }

@@ -30,6 +30,10 @@ impl Sample {
 pub(super) struct Output {
     pub surface: LayoutSurface,
     pub materials: Vec<u16>,
+    /// Shares of all materials, all of a sample together; empty if not wanted.
+    pub shares: Vec<f32>,
+    /// How many materials there are.
+    pub names: usize,
     pub columns: usize,
 }
 
@@ -46,6 +50,25 @@ impl Output {
         }
         if let Some(material) = self.materials.get_mut(at).filter(|_| share >= 0.5) {
             *material = sample.material;
+        }
+    }
+
+    /// Sets the shares of a sample: those of the near form and the one material of the far form, as much of it as is seen. From the middle of the shelf on the
+    /// island says nothing of materials.
+    pub(super) fn put_shares(&mut self, at: usize, near: &[f32], far: u16, [part, share]: [f64; 2]) {
+        let names = self.names;
+        let Some(out) = self.shares.get_mut(at * names..(at + 1) * names).filter(|_| share >= 0.5) else { return };
+        let near = near.get(..names).unwrap_or_default();
+        for (i, out) in out.iter_mut().enumerate() {
+            let own = f64::from(near.get(i).copied().unwrap_or(0.0));
+            let seen = if usize::from(far) == i + 1 { 1.0 } else { 0.0 };
+            *out = (own + (seen - own) * part) as f32;
+        }
+        let total: f32 = out.iter().sum();
+        if total > 0.0 {
+            for share in out.iter_mut() {
+                *share /= total;
+            }
         }
     }
 }

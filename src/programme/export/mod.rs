@@ -23,7 +23,7 @@ pub const MAX_SHADER_STEPS: usize = 2_000;
 const FURTHEST: f64 = 2_147_483_648.0;
 
 /// The version of the text that a programme becomes.
-pub const SHADER_FORM: u32 = 1;
+pub const SHADER_FORM: u32 = 2;
 
 /// A language of shaders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -208,7 +208,7 @@ pub(crate) async fn delete_feature(
 
 /// Features that generators make in this world, to be edited and added: nothing is stored.
 #[utoipa::path(post, path = "/worlds/{world}/generate", tag = "features", params(("world" = String, Path, description = "`name` or `name@revision`")),
-request_body(content = serde_json::Value, description = "An item of a layout, such as `{\"generate\": \"island\", \"seed\": 7}`, or a list of such items", content_type = "application/json"), responses(
+request_body(content = serde_json::Value, description = "An item of a layout, such as `{\"generate\": \"island\", \"seed\": 7}`, roads between places (`{\"generate\": \"roads\", \"places\": [{\"name\": \"North\", \"at\": [0, 900]}, …]}`), or a list of such items. Generators of rivers and ridges take ids of the world's features, or GeoJSON Features, as `land`, `drawn` and `waters`", content_type = "application/json"), responses(
     (status = 200, description = "The features", body = FeatureCollectionSchema, content_type = "application/geo+json"),
     (status = 400, description = "The body is no JSON", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 403, description = "The request comes from another machine, or from a web page of another site", body = ProblemDetails, content_type = "application/problem+json"),
@@ -217,7 +217,7 @@ request_body(content = serde_json::Value, description = "An item of a layout, su
     (status = 422, description = "A parameter is wrong: every problem with its place", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
 pub(crate) async fn generate_features(State(app): State<App>, WorldAt { live, .. }: WorldAt, Body(body): Body) -> Result<Response, ApiError> {
-    let made = app.0.queries.run(move || live.world.document().generate(&body)).await?;
+    let made = app.0.queries.run(move || live.world.generate(&body)).await?;
     let collection = made.map_err(|error| ApiError::document(Kind::World, error))?;
     let body = serde_json::to_vec(&collection).map_err(|error| ApiError::internal("writing features", &error))?;
     Ok(([(header::CONTENT_TYPE, GEOJSON)], body).into_response())

@@ -4,7 +4,7 @@ use crate::{
     geometry::{Filter, Grid, Source, to_lon_lat},
     server::{
         error::ApiError,
-        extract::{Known, PublicUrl, TilePath, TilesetPath, WorldAt},
+        extract::{Known, PublicUrl, TilePath, TilesetPath, WorldAt, paged},
         headers::{Freshness, is_fresh, json, not_modified, tagged},
         schema::{MaterialSchema, ProblemDetails, TileJson, VectorLayerSchema},
         shelf::Shelved,
@@ -35,15 +35,29 @@ pub(crate) struct LiveQuery {
     live: Option<String>,
 }
 
+/// Which tiles are described.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct TilesetQuery {
+    /// Present, with any value or none: plain URLs whose tiles change with the world, for editing.
+    #[param(value_type = Option<String>, allow_reserved = false)]
+    live: Option<String>,
+    /// Of `weights`, 0 (default) … 63: the page of materials.
+    #[param(value_type = Option<u8>)]
+    page: Option<String>,
+}
+
 /// A tile.
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}/{z}/{x}/{y}", tag = "tiles", params(
     ("world" = String, Path, description = "`name`, or `name@revision` for a tile that never changes"),
     ("grid" = String, Path, description = "`web` or `metric`"),
-    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32`, `hillshade`, `water`, `materials`, `relief`, `contours` or `features`"),
+    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32`, `hillshade`, `water`, `materials`, `weights`, `relief`, `contours` or `features`"),
     ("z" = u8, Path, description = "Zoom level, 0 … 30"),
     ("x" = i64, Path, description = "Column, to the east; may be negative or beyond 2^z"),
     ("y" = String, Path, description = "Row, to the south, samples and extension: `5.png` (256 pixels), `5@2x.png` (512), `5@257.bin` (257 × 257 vertices with both edges; 2 … 1025), `5.mvt`"),
     ("surface" = Option<String>, Query, description = "`ground` (default) or `water`: the height that `terrarium`, `terrain-rgb`, `r32` and `hillshade` draw; `water` is the water's surface where there is water"),
+    ("page" = Option<u8>, Query, description = "Of `weights`, 0 (default) … 63: page n has the materials of numbers 4 n to 4 n + 3 as red, green, blue and alpha"),
     ("filter" = Option<String>, Query, description = "`band` (default) leaves out what the spacing cannot carry, `exact` samples the function as it is"),
 ), responses(
     (status = 200, description = "The tile", content((Vec<u8> = "image/png"), (Vec<u8> = "application/octet-stream"), (Vec<u8> = "application/vnd.mapbox-vector-tile")), headers(("ETag" = String, description = "The tile's fingerprint"))),
@@ -90,8 +104,8 @@ const MOST_TILE_NS: f64 = 1e10;
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}", tag = "tiles", params(
     ("world" = String, Path, description = "`name` or `name@revision`"),
     ("grid" = String, Path, description = "`web` or `metric`"),
-    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32`, `hillshade`, `water`, `materials`, `relief`, `contours` or `features`"),
-    LiveQuery,
+    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32`, `hillshade`, `water`, `materials`, `weights`, `relief`, `contours` or `features`"),
+    TilesetQuery,
 ), responses(
     (status = 200, description = "TileJSON 3.0 with `encoding` and `tileSize`", body = TileJson),
     (status = 304, description = "The answer is the one that If-None-Match names"),
@@ -101,11 +115,12 @@ const MOST_TILE_NS: f64 = 1e10;
 pub(crate) async fn get_tilejson(
     WorldAt { live, .. }: WorldAt,
     TilesetPath { grid, tileset }: TilesetPath,
-    Known(query): Known<LiveQuery>,
+    Known(query): Known<TilesetQuery>,
     PublicUrl(url): PublicUrl,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
-    let document = live.world.document();
+    let tileset = paged(tileset, query.page.as_deref())?;
+    let (document, is_weights) = (live.world.document(), matches!(tileset, tile::Tileset::Weights(_)));
     let template = template(&url, &live, grid.name(), tileset, query.live.is_some());
     let body = TileJson {
         tilejson: "3.0.0",
@@ -120,18 +135,26 @@ pub(crate) async fn get_tilejson(
         tile_size: tileset.layers().is_empty().then_some(512),
         vector_layers: vector_layers(tileset),
         encoding: tileset.encoding(),
-        materials: tileset.wanted().materials.then(|| materials(live.world.materials())),
+        materials: tileset.has_materials().then(|| materials(live.world.materials(), is_weights)),
+        pages: is_weights.then(|| live.world.materials().len() / CHANNELS.len() + 1),
     };
     // Its links depend on how the server is reached, so even a pinned one may change.
     json(&headers, &body, Freshness::Revalidate)
 }
 
-fn materials(names: &[Box<str>]) -> Vec<MaterialSchema> {
+/// The channels of a page of weights.
+const CHANNELS: [&str; 4] = ["r", "g", "b", "a"];
+
+/// The legend of materials; of weights with pages and channels, and with what has no material.
+fn materials(names: &[Box<str>], is_weights: bool) -> Vec<MaterialSchema> {
     let entry = |(name, id): (&str, usize)| {
         let [r, g, b] = tile::material_colour(name);
-        MaterialSchema { id, name: name.to_owned(), colour: format!("#{r:02x}{g:02x}{b:02x}") }
+        let (page, channel) = (id / CHANNELS.len(), CHANNELS[id % CHANNELS.len()]);
+        let colour = format!("#{r:02x}{g:02x}{b:02x}");
+        MaterialSchema { id, name: name.to_owned(), colour, page: is_weights.then_some(page), channel: is_weights.then_some(channel) }
     };
-    names.iter().map(|name| &**name).zip(1..).map(entry).collect()
+    let all = std::iter::once("").chain(names.iter().map(|name| &**name)).zip(0..);
+    all.skip(usize::from(!is_weights)).map(entry).collect()
 }
 
 /// What the layers of a vector tileset are called and hold.
@@ -147,7 +170,8 @@ fn vector_layers(tileset: tile::Tileset) -> Option<Vec<VectorLayerSchema>> {
 fn template(url: &str, live: &Live, grid: &str, tileset: tile::Tileset, plain: bool) -> String {
     let revision = if plain { String::new() } else { format!("@{}", live.world.revision()) };
     let samples = if tileset.layers().is_empty() { "@2x" } else { "" };
-    format!("{url}/worlds/{}{revision}/{grid}/{}/{{z}}/{{x}}/{{y}}{samples}.{}", live.name, tileset.name(), tileset.extension())
+    let page = if let tile::Tileset::Weights(page @ 1..) = tileset { format!("?page={page}") } else { String::new() };
+    format!("{url}/worlds/{}{revision}/{grid}/{}/{{z}}/{{x}}/{{y}}{samples}.{}{page}", live.name, tileset.name(), tileset.extension())
 }
 
 /// The middle and zoom (of 512-pixel tiles) of a view with relief: longitude and latitude on `web`, metres on `metric`.

@@ -1,10 +1,10 @@
 //! Generators of features as documents name them.
 
-use super::Setting;
+use super::{Setting, seeds::Seeds};
 use crate::{
     layout::{
         AttributeError, Feature,
-        generate::{Conflict, GenerateError, Island, Lakes, Landmass, Ridges, Rivers, Styles, resolve},
+        generate::{Conflict, GenerateError, Ground, Island, Lakes, Landmass, Ridges, Rivers, Styles, resolve},
         geojson::Sets,
     },
     noise,
@@ -15,6 +15,9 @@ use std::{collections::BTreeMap, sync::Arc};
 
 /// Metres between the places of a ridges' diagram, as a share of the rivers' spacing, where the document does not say.
 const RIDGE_STEP: f64 = 160.0 / 650.0;
+
+/// The precedence of features that are there already: they are never cut.
+const GIVEN: i32 = i32::MAX;
 
 /// What has a style of its own.
 const STYLES: [&str; 4] = ["land", "rivers", "lakes", "ridges"];
@@ -37,6 +40,8 @@ pub(super) enum Generator {
 pub(super) struct Seeded {
     pub generator: Generator,
     pub seed: u64,
+    /// Features drawn by hand that it starts from.
+    seeds: Seeds,
     /// Names of sets of attributes to take in the place of the usual ones, by what they are for.
     styles: BTreeMap<String, String>,
 }
@@ -47,6 +52,8 @@ pub(super) struct Made {
     pub land: Vec<Feature>,
     pub waters: Vec<Feature>,
     pub others: Vec<Feature>,
+    /// Waters drawn by hand: they are there already, and ridges that would cross them are cut.
+    given: Vec<Feature>,
     /// Metres between rivers, which the styles of all are made for.
     spacing: Option<f64>,
     /// Metres that a ridge keeps from what it would cross.
@@ -71,8 +78,11 @@ impl Seeded {
             checks.add(&format!("{at}/styles/{unknown}"), format!("unknown field `{unknown}`, expected one of `{}`", STYLES.join("`, `")));
             return None;
         }
-        let generator = match name.as_ref().and_then(Value::as_str) {
-            Some("island") => Self::island(object, at, setting, checks)?,
+        let name = name.as_ref().and_then(Value::as_str);
+        let seeds = Seeds::take(name.unwrap_or_default(), object, at, setting, checks)?;
+        let generator = match name {
+            Some("island") => Self::island(object, Ground::Island, at, setting, checks)?,
+            Some("massif") => Self::island(object, Ground::Massif, at, setting, checks)?,
             Some("landmass") => {
                 object.entry("elevation").or_insert(json!(setting.sea_level));
                 Generator::Landmass(read_value(value, at, checks)?)
@@ -83,19 +93,26 @@ impl Seeded {
                 Generator::Rivers(read_value(value, at, checks)?, lakes)
             }
             Some("ridges") => Generator::Ridges(read_value(value, at, checks)?),
+            Some("roads") => {
+                checks.add(
+                    &format!("{at}/generate"),
+                    "roads lie over finished terrain: ask POST /worlds/{world}/generate for them, and add what it answers to the features",
+                );
+                return None;
+            }
             Some("lakes") => {
                 checks.add(&format!("{at}/generate"), "lakes lie on rivers: give the generator of rivers the parameter \"lakes\": {}");
                 return None;
             }
             _ => {
-                checks.add(&format!("{at}/generate"), "must be \"island\", \"landmass\", \"rivers\" or \"ridges\"");
+                checks.add(&format!("{at}/generate"), "must be \"island\", \"massif\", \"landmass\", \"rivers\" or \"ridges\"");
                 return None;
             }
         };
-        Some(Self { generator, seed, styles })
+        Some(Self { generator, seed, seeds, styles })
     }
 
-    fn island(object: &mut Map<String, Value>, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Generator> {
+    fn island(object: &mut Map<String, Value>, ground: Ground, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Generator> {
         let part = |name: &str, default: &str, number: &dyn Fn(&Map<String, Value>) -> f64| {
             let own = object.get(name).cloned().unwrap_or_else(|| json!({}));
             let Value::Object(mut fields) = own else { return own };
@@ -105,10 +122,15 @@ impl Seeded {
             Value::Object(fields)
         };
         let spacing = |island: &Map<String, Value>| island.get("rivers").and_then(|rivers| rivers.get("spacing")).and_then(Value::as_f64);
-        let landmass = part("landmass", "elevation", &|_| setting.sea_level);
+        let foot = if ground == Ground::Island { setting.sea_level } else { 0.0 };
+        let landmass = part("landmass", "elevation", &|_| foot);
         let ridges = part("ridges", "step", &|island| RIDGE_STEP * spacing(island).unwrap_or(Rivers::default().spacing));
         let rivers = part("rivers", "", &|_| 0.0);
         let lakes = object.get("lakes").filter(|lakes| !lakes.is_null()).cloned();
+        if ground == Ground::Massif && lakes.is_some() {
+            checks.add(&format!("{at}/lakes"), "a massif has no water: leave it out");
+            return None;
+        }
         if let Some(unknown) = object.keys().find(|key| !["landmass", "rivers", "lakes", "ridges"].contains(&key.as_str())) {
             let detail = format!("unknown field `{unknown}`, expected one of `generate`, `seed`, `landmass`, `rivers`, `lakes`, `ridges`");
             checks.add(&format!("{at}/{unknown}"), detail);
@@ -119,18 +141,18 @@ impl Seeded {
         let ridges = read_value(ridges, &format!("{at}/ridges"), checks);
         let lakes = lakes.map(|lakes| read_value(lakes, &format!("{at}/lakes"), checks));
         let lakes = if let Some(lakes) = lakes { Some(lakes?) } else { None };
-        Some(Generator::Island(Island { landmass: landmass?, rivers: rivers?, lakes, ridges: ridges? }))
+        Some(Generator::Island(Island { landmass: landmass?, rivers: rivers?, lakes, ridges: ridges?, ground }))
     }
 
     /// The completed document.
     pub(super) fn to_json(&self) -> Value {
         let (name, parameters) = match &self.generator {
-            Generator::Island(Island { landmass, rivers, lakes, ridges }) => {
+            Generator::Island(Island { landmass, rivers, lakes, ridges, ground }) => {
                 let mut all = json!({"landmass": landmass, "rivers": rivers, "ridges": ridges});
                 if let (Some(lakes), Value::Object(all)) = (lakes, &mut all) {
                     all.insert("lakes".to_owned(), json!(lakes));
                 }
-                ("island", all)
+                (if *ground == Ground::Island { "island" } else { "massif" }, all)
             }
             Generator::Landmass(landmass) => ("landmass", json!(landmass)),
             Generator::Rivers(rivers, lakes) => {
@@ -145,6 +167,7 @@ impl Seeded {
         let mut all = json!({"generate": name, "seed": self.seed});
         if let (Value::Object(all), Value::Object(parameters)) = (&mut all, parameters) {
             all.extend(parameters);
+            all.extend(self.seeds.to_json());
             if !self.styles.is_empty() {
                 all.insert("styles".to_owned(), json!(self.styles));
             }
@@ -169,7 +192,7 @@ impl Seeded {
         let seed = noise::key(setting.seed, self.seed);
         let styles = |spacing: f64| self.styled(Styles::for_sea(spacing, seed, setting.sea_level)?, sets);
         match &self.generator {
-            Generator::Island(island) => made.others.extend(island.features(seed, &styles(island.rivers.spacing)?)?),
+            Generator::Island(island) => made.others.extend(island.features(seed, &self.styled(island.styles(seed, setting.sea_level)?, sets)?)?),
             Generator::Landmass(landmass) => {
                 let spacing = made.spacing.unwrap_or(landmass.radius / 20.0).max(1.0);
                 made.land.extend(landmass.features(seed, &styles(spacing)?.land)?);
@@ -178,12 +201,16 @@ impl Seeded {
                 made.spacing = Some(rivers.spacing);
                 let styles = styles(rivers.spacing)?;
                 let lakes = lakes.as_ref().map(|lakes| (lakes, &styles.lakes));
-                made.waters.extend(rivers.features(&made.land, &[], lakes, seed, &styles.rivers)?);
+                let land = if self.seeds.land.is_empty() { &made.land } else { &self.seeds.land };
+                made.waters.extend(rivers.features(land, &self.seeds.drawn, lakes, seed, &styles.rivers)?);
             }
             Generator::Ridges(ridges) => {
                 let spacing = made.spacing.unwrap_or(ridges.step / RIDGE_STEP);
                 made.clearance = Some(ridges.step);
-                made.others.extend(ridges.features(&made.land, &made.waters, seed, &styles(spacing)?.ridges)?);
+                let land = if self.seeds.land.is_empty() { &made.land } else { &self.seeds.land };
+                let waters = [&made.waters[..], &self.seeds.waters].concat();
+                made.others.extend(ridges.features(land, &waters, seed, &styles(spacing)?.ridges)?);
+                made.given.extend(self.seeds.waters.iter().cloned());
             }
         }
         Ok(())
@@ -194,8 +221,19 @@ impl Made {
     /// All features, those cut that ridges would cross.
     pub(super) fn features(self) -> Result<Vec<Feature>, GenerateError> {
         let all = [self.land, self.waters, self.others].concat();
-        if let Some(clearance) = self.clearance { resolve(&all, Conflict::Cut { clearance }) } else { Ok(all) }
+        let Some(clearance) = self.clearance else { return Ok(all) };
+        let given = self.given.into_iter().map(|mut feature| {
+            feature.precedence = GIVEN;
+            feature
+        });
+        let kept = resolve(&given.chain(all).collect::<Vec<_>>(), Conflict::Cut { clearance })?;
+        Ok(kept.into_iter().filter(|feature| feature.precedence != GIVEN).collect())
     }
+}
+
+/// Adds the problem of a generator that stands alone at a pointer.
+pub(in crate::world) fn generator_problem(error: &GenerateError, at: &str, checks: &mut Checks) {
+    problem(error, at, false, checks);
 }
 
 /// Adds the problem of a generator that stands at a pointer; `nested` if its parameters stand in objects of their generators' names.

@@ -70,20 +70,20 @@ impl Ground {
         }
     }
 
-    /// The terrain over a window, with the numbers of materials if they are wanted.
-    pub(super) fn sample(&self, window: &Window, base: &[f32], [cover, materials]: [bool; 2]) -> (LayoutSurface, Vec<u16>) {
+    /// The terrain over a window, with the numbers of materials and the shares of all materials if they are wanted.
+    pub(super) fn sample(&self, window: &Window, base: &[f32], [cover, materials, shares]: [bool; 3]) -> (LayoutSurface, Vec<u16>, Vec<f32>) {
         match self {
             Self::Layout { layout, over_base, .. } => {
-                let fields = material(layout).filter(|_| materials).map(|(number, _)| number).into_iter().collect();
-                let selection = Selection { fields, cover, fractions: false };
+                let fields = material(layout).filter(|_| materials || shares).map(|(number, _)| number).into_iter().collect();
+                let selection = Selection { fields, cover, fractions: shares };
                 let mut surface = layout.sample(window, over_base.then_some(base), &selection);
-                let heaviest = match surface.fields.pop() {
-                    Some(FieldSurface::Names { heaviest, .. }) => heaviest,
-                    _ => vec![0; if materials { window.samples() } else { 0 }],
+                let (heaviest, fractions) = match surface.fields.pop() {
+                    Some(FieldSurface::Names { heaviest, fractions }) => (heaviest, fractions),
+                    _ => (vec![0; if materials { window.samples() } else { 0 }], Vec::new()),
                 };
-                (surface, heaviest)
+                (surface, if materials { heaviest } else { Vec::new() }, fractions)
             }
-            Self::Scatter(scatter) => scatter.sample(window, base, [cover, materials]),
+            Self::Scatter(scatter) => scatter.sample(window, base, [cover, materials, shares]),
         }
     }
 }

@@ -36,7 +36,7 @@ impl FeatureSets {
 
 /// An item of the list.
 pub(super) enum Item {
-    Generated(Seeded),
+    Generated(Box<Seeded>),
     Inline(Arc<FeatureSet>),
     Stored(String, Arc<FeatureSet>),
 }
@@ -46,7 +46,7 @@ impl Item {
     pub(super) fn read(item: &str, at: &str, sets: &Sets, setting: &Setting, checks: &mut Checks) -> Option<Self> {
         let value: Value = serde_json::from_str(item).ok()?;
         if value.get("generate").is_some() {
-            return Seeded::read(whole_numbers(value), at, setting, checks).map(Self::Generated);
+            return Seeded::read(whole_numbers(value), at, setting, checks).map(|seeded| Self::Generated(Box::new(seeded)));
         }
         if let Some(set) = value.get("set") {
             return Self::stored(&value, set, at, setting, checks);

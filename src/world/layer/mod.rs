@@ -5,24 +5,21 @@ mod generator;
 mod ground;
 mod item;
 mod mask;
+mod seeds;
 mod source;
 
 pub(super) use blend::Below;
 pub use blend::Blend;
+pub(super) use generator::generator_problem;
 pub use item::FeatureSets;
 pub use mask::Mask;
 
-use super::{
-    name::check_name,
-    number::whole,
-    problem::{Checks, DocumentError},
-    revision::Revision,
-};
+use super::{Document, name::check_name, number::whole, problem::Checks, revision::Revision};
 use crate::{
     geometry::{PLANE_LIMIT, Rectangle, Window},
     layout::{
         Layout,
-        geojson::{Collection, FeatureSet, Sets},
+        geojson::{Collection, Drawn, FeatureSet, Sets},
     },
 };
 use ground::Ground;
@@ -141,23 +138,44 @@ pub(super) fn materials(layers: &[Layer]) -> Vec<Box<str>> {
     all.into_iter().collect()
 }
 
-/// Makes the features of generators, `{"generate": …}` or a list of such items, as they would be drawn.
-pub(super) fn generated(json: &[u8], setting: &Setting) -> Result<Collection, DocumentError> {
-    let value: Value = serde_json::from_slice(json).map_err(|error| DocumentError::Syntax(error.to_string()))?;
-    let (items, list) = if let Value::Array(items) = value { (items, true) } else { (vec![value], false) };
-    let mut checks = Checks(Vec::new());
-    let at = |i: usize| if list { format!("/{i}") } else { String::new() };
-    let mut seeded = Vec::new();
-    for (i, item) in items.into_iter().enumerate() {
+/// Makes the features of generators, items of a list with their numbers, as they would be drawn. They may name features and sets of attributes of the world.
+pub(super) fn generated(world: &Document, items: Vec<(usize, Value)>, at: &dyn Fn(usize) -> String, checks: &mut Checks) -> Option<Collection> {
+    let setting = Setting { seed: world.seed, sea_level: world.sea_level, sets: &FeatureSets::default() };
+    let (before, sets) = (checks.0.len(), known_sets(world));
+    let (mut seeded, mut numbers) = (Vec::new(), Vec::new());
+    for (i, mut item) in items {
         if item.get("generate").is_none() {
             checks.add(&at(i), "expected {\"generate\": …}");
-        } else {
-            seeded.extend(Item::read(&item.to_string(), &at(i), &Sets::default(), setting, &mut checks));
+            continue;
+        }
+        if !seeds::resolve(&mut item, &at(i), world, checks) {
+            continue;
+        }
+        seeded.extend(Item::read(&item.to_string(), &at(i), &Sets::default(), &setting, checks));
+        numbers.push(i);
+    }
+    if checks.0.len() > before {
+        return None;
+    }
+    let features = generate(&seeded, &sets, &|k| at(numbers[k]), &setting, checks)?;
+    Collection::of(&features)
+}
+
+/// The feature of an id, in the first layer that has one.
+pub(super) fn find_feature<'a>(world: &'a Document, id: &str) -> Option<&'a Drawn> {
+    world.layers.iter().flat_map(Layer::drawn).find_map(|set| Some(&set.collection().features[set.position(id)?]))
+}
+
+/// The sets of attributes of a world by name; of several of one name the first.
+pub(super) fn known_sets(world: &Document) -> Sets {
+    let mut known = Sets::default();
+    let sets = world.layers.iter().flat_map(|layer| std::iter::once(layer.attributes()).chain(layer.drawn().map(|set| &set.collection().sets)));
+    for (name, set) in sets.flat_map(Sets::iter) {
+        if known.get(name).is_none() {
+            known.insert(name, Arc::clone(set));
         }
     }
-    let features = if checks.0.is_empty() { generate(&seeded, &Sets::default(), &at, setting, &mut checks) } else { None };
-    let collection = features.and_then(|features| Collection::of(&features));
-    collection.ok_or(DocumentError::Invalid(checks.0))
+    known
 }
 
 impl Layer {

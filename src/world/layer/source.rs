@@ -170,8 +170,8 @@ fn scatter(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Che
     }
     let value: Value = serde_json::from_str(written.template.get()).ok()?;
     let template_at = format!("{at}/template");
-    if value.get("generate").and_then(Value::as_str) != Some("island") {
-        checks.add(&format!("{template_at}/generate"), "must be \"island\"");
+    if !matches!(value.get("generate").and_then(Value::as_str), Some("island" | "massif")) {
+        checks.add(&format!("{template_at}/generate"), "must be \"island\" or \"massif\"");
         return None;
     }
     for field in ["seed", "styles", "landmass/centre"] {
