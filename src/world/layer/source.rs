@@ -142,7 +142,7 @@ fn features(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Ch
             WrittenMix::Max => Mix::Max,
             WrittenMix::Sum => Mix::Sum,
         };
-        let layout = Layout::new(features, Options { mix, sea_level: None, defaults }).map_err(|error| checks.add(at, error.to_string())).ok()?;
+        let layout = Layout::new_parallel(features, Options { mix, sea_level: None, defaults }).map_err(|error| checks.add(at, error.to_string())).ok()?;
         Some(Ground::Layout { layout: Arc::new(layout), over_base: base == Beneath::World, generated })
     })?;
     let stored = items.iter().enumerate().find_map(|(i, item)| if let Item::Stored(..) = item { Some((i, Arc::clone(item.drawn()?))) } else { None });
