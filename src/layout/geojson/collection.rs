@@ -21,6 +21,9 @@ use std::{
 /// Most features that are read at a time, and that they may become by their detail.
 pub const MOST_FEATURES: usize = 2_000_000;
 
+/// Fewer features than these are not worth other threads.
+const FEW: usize = 1024;
+
 /// Features that are made at a time before they are taken: what one makes may be large.
 const AT_ONCE: usize = 4096;
 
@@ -147,7 +150,10 @@ impl Collection {
         };
         let mut number = 0;
         'all: for some in self.features.chunks(AT_ONCE) {
-            let made: Vec<Result<_, (&'static str, String)>> = some.par_iter().map(make).collect();
+            let made: Vec<Result<_, (&'static str, String)>> = match some.len() {
+                0..FEW => some.iter().map(make).collect(),
+                _ => some.par_iter().map(make).collect(),
+            };
             for made in made {
                 match made {
                     Ok((features, corners, made)) => {
@@ -185,7 +191,11 @@ impl Collection {
     /// Finds ids that two features have.
     pub(super) fn check_ids(&self, problems: &mut Problems) {
         let mut ids: Vec<(Cow<str>, usize)> = self.features.iter().zip(0..).filter_map(|(drawn, i)| Some((drawn.id.as_ref()?.text(), i))).collect();
-        ids.par_sort_unstable();
+        if ids.len() < FEW {
+            ids.sort_unstable();
+        } else {
+            ids.par_sort_unstable();
+        }
         for pair in ids.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
             let (id, first, second) = (&pair[0].0, pair[0].1, pair[1].1);
             problems.add(format!("{}/id", self.pointer(second)), format!("feature {id:?}: feature number {first} has this id already"));

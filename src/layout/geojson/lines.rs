@@ -26,7 +26,10 @@ pub(super) fn read(reader: &mut Reader, source: &mut impl Read) -> io::Result<(V
             return Ok((bytes, 0));
         }
         let batches = cut(&bytes, ended);
-        let read: Vec<Option<Reader>> = batches.par_iter().map(|batch| alone(batch)).collect();
+        let read: Vec<Option<Reader>> = match batches[..] {
+            [one] => vec![alone(one)],
+            _ => batches.par_iter().map(|batch| alone(batch)).collect(),
+        };
         let mut taken = 0;
         for (batch, read) in batches.iter().zip(read) {
             if !read.is_some_and(|read| reader.absorb(read)) {
