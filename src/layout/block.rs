@@ -1,5 +1,6 @@
 //! The points of a block of samples, in an order in which every part of it is a square or half of one.
 
+use super::path::Frame;
 use crate::geometry::{Rectangle, Window};
 
 /// Samples a side of a block.
@@ -20,6 +21,11 @@ impl Values {
     }
 }
 
+/// One f32 a point.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct Flats(pub [f32; POINTS]);
+
 /// Row and column of a point of a block: quarters of quarters, and row by row within those.
 #[inline(always)]
 pub(super) fn place(i: usize) -> [usize; 2] {
@@ -31,6 +37,8 @@ pub(super) fn place(i: usize) -> [usize; 2] {
 pub(super) struct Block {
     pub xs: Box<Values>,
     pub ys: Box<Values>,
+    /// The same from the middle of the window, rounded.
+    pub flat: [Box<Flats>; 2],
     /// First row and column in the window.
     pub first: [usize; 2],
     /// Rows and columns that the window has there; beyond them the last ones are repeated.
@@ -39,19 +47,21 @@ pub(super) struct Block {
 
 impl Block {
     pub(super) fn new() -> Self {
-        Self { xs: Values::new(0.0), ys: Values::new(0.0), first: [0; 2], size: [0; 2] }
+        Self { xs: Values::new(0.0), ys: Values::new(0.0), flat: [(); 2].map(|()| Box::new(Flats([0.0; POINTS]))), first: [0; 2], size: [0; 2] }
     }
 
     /// Goes to the block that begins at a row and column.
-    pub(super) fn go(&mut self, window: &Window, first: [usize; 2]) {
+    pub(super) fn go(&mut self, window: &Window, frame: &Frame, first: [usize; 2]) {
         self.first = first;
         self.size = [(window.rows.len() - first[0]).min(SIDE), (window.columns.len() - first[1]).min(SIDE)];
         let at = |i: usize, axis: usize| (first[axis] + i.min(self.size[axis] - 1)) as i64;
         let ys: [f64; SIDE] = core::array::from_fn(|i| window.rows.coordinate(at(i, 0)));
         let xs: [f64; SIDE] = core::array::from_fn(|i| window.columns.coordinate(at(i, 1)));
+        let (flat_xs, flat_ys) = (xs.map(|x| frame.relative(0, x)), ys.map(|y| frame.relative(1, y)));
         for i in 0..POINTS {
             let [row, column] = place(i);
             (self.xs.0[i], self.ys.0[i]) = (xs[column], ys[row]);
+            (self.flat[0].0[i], self.flat[1].0[i]) = (flat_xs[column], flat_ys[row]);
         }
     }
 

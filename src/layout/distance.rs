@@ -5,8 +5,9 @@ use super::{
     block::{Block, LEAST, POINTS, Values},
     index::farthest,
     parity::Parity,
+    path::Frame,
     runs::Runs,
-    search::{Near, Node, Search, touches},
+    search::{Near, Node, Search},
 };
 use crate::{
     geometry::{Along, Curve, Edge, Elevation, Rectangle, Shape},
@@ -67,12 +68,13 @@ struct Kind<'a> {
 }
 
 impl Distances {
-    pub(super) fn new() -> Self {
+    /// For the blocks of a window.
+    pub(super) fn new(frame: Frame) -> Self {
         Self {
             signed: Values::new(0.0),
             elevation: Values::new(0.0),
             parts: Vec::new(),
-            search: Search::default(),
+            search: Search::new(frame),
             parity: Parity::default(),
             list: Vec::new(),
             waiting: Vec::new(),
@@ -81,21 +83,21 @@ impl Distances {
         }
     }
 
-    /// Finds the distances of a feature as samples `spacing` metres apart see it; 0 for all detail.
-    pub(super) fn find(&mut self, isa: Isa, block: &Block, feature: &Feature, runs: Option<&Runs>, spacing: f64) {
+    /// Finds the distances of a feature, which has a number of its own, as samples `spacing` metres apart see it; 0 for all detail.
+    pub(super) fn find(&mut self, isa: Isa, block: &Block, (number, feature): (u32, &Feature), runs: Option<&Runs>, spacing: f64) {
         let (area, reach) = (block.rectangle(0, POINTS), farthest(feature));
         let kind = match feature.shape() {
             Shape::Point { at, elevation } => {
-                self.search.begin_point(*at, elevation.unwrap_or(0.0), reach, &area);
+                self.search.begin_point(*at, elevation.unwrap_or(0.0), reach);
                 Kind { curve: None, closed: false, radius: 0.0, slopes: false }
             }
             Shape::Circle { centre, radius, elevation } => {
-                self.search.begin_point(*centre, elevation.unwrap_or(0.0), reach + radius, &area);
+                self.search.begin_point(*centre, elevation.unwrap_or(0.0), reach + radius);
                 Kind { curve: None, closed: false, radius: *radius, slopes: false }
             }
             Shape::Line(curve) | Shape::Polygon(curve) => {
                 let closed = matches!(feature.shape(), Shape::Polygon(_));
-                self.search.begin(curve, runs, &area, reach, spacing);
+                self.search.begin(number, curve, runs, &area, reach, spacing);
                 if closed {
                     self.parity.begin(curve, runs, &area, spacing);
                 }
@@ -112,7 +114,8 @@ impl Distances {
         self.groups.clear();
         let mut last = None;
         for node in &self.list {
-            let edge = Edge::new(node.a, node.b);
+            let [a, b] = self.search.ends(node);
+            let edge = Edge::new(a, b);
             self.edges.push(edge);
             let end = self.edges.len() as u32;
             let way = kind.curve.map_or(Way::Same, |curve| way(curve, &self.search.chords[node.chord as usize], node, &edge));
@@ -167,8 +170,7 @@ impl Kernel for Divide<'_> {
             distances.list.extend_from_slice(&distances.waiting[first..end]);
             distances.waiting.truncate(end);
             if count == LEAST {
-                let range = start..start + count;
-                distances.search.refine_points(lanes, [&block.xs.0[range.clone()], &block.ys.0[range]], &mut distances.list);
+                distances.search.refine_points(lanes, block, start, &mut distances.list);
                 distances.part(lanes, block, &kind, &area, [start, count]);
                 continue;
             }
@@ -207,7 +209,7 @@ impl Distances {
         compare.run(lanes);
         if kind.closed {
             let mut signs = [0.0; POINTS];
-            let together = !self.list.iter().any(|node| touches(node, area));
+            let together = !self.list.iter().any(|node| self.search.touches(node, area));
             self.parity.fill(&block.xs.0[range.clone()], &block.ys.0[range.clone()], together, &mut signs[..count]);
             if self.list.is_empty() && signs[0] > 0.0 {
                 return;

@@ -5,6 +5,7 @@ use super::{
     block::{Block, POINTS, SIDE, Values},
     distance::Distances,
     kernels::{Add, Input, Merge, Sums},
+    path::Frame,
     reference::{Stage, stage},
     term::{Cover, Curve, Term, above_zero, lines},
 };
@@ -78,6 +79,7 @@ struct Evaluation<'a> {
     /// Shares of the block's samples that water covers.
     cover: Box<Values>,
     terrains: Vec<Terrain<'a>>,
+    frame: Frame,
     block: Block,
     distances: Distances,
     sums: BTreeMap<(usize, Stage), Sums>,
@@ -94,6 +96,7 @@ struct Evaluation<'a> {
 impl<'a> Evaluation<'a> {
     fn new(layout: &'a Layout, isa: Isa, window: &Window, selection: &'a Selection) -> Self {
         let is_wanted = |(i, field): (usize, &Field)| matches!(&*field.name, "elevation" | "water_depth") || selection.fields.contains(&i);
+        let frame = Frame::new(window);
         Self {
             layout,
             isa,
@@ -104,8 +107,9 @@ impl<'a> Evaluation<'a> {
             prepared: BTreeMap::new(),
             cover: Values::new(0.0),
             terrains: Vec::new(),
+            frame,
             block: Block::new(),
-            distances: Distances::new(),
+            distances: Distances::new(frame),
             sums: BTreeMap::new(),
             spare: Vec::new(),
             found: Vec::new(),
@@ -118,7 +122,7 @@ impl<'a> Evaluation<'a> {
 
     /// Sums up what all features say over a block.
     fn block(&mut self, window: &Window, first: [usize; 2]) {
-        self.block.go(window, first);
+        self.block.go(window, &self.frame, first);
         for (_, sums) in std::mem::take(&mut self.sums) {
             self.spare.extend(sums.values.into_iter().chain([sums.weight, sums.most]));
         }
@@ -143,7 +147,7 @@ impl<'a> Evaluation<'a> {
         }
         let Some((prepared, covers)) = self.prepared.remove(&key) else { return };
         if !prepared.is_empty() || !covers.is_empty() {
-            self.distances.find(self.isa, &self.block, feature, layout.runs.get(&(number as u32)).map(|runs| &**runs), self.spacing);
+            self.distances.find(self.isa, &self.block, (number as u32, feature), layout.runs.get(&(number as u32)).map(|runs| &**runs), self.spacing);
             if !self.distances.parts.is_empty() {
                 for attribute in &prepared {
                     self.add(attribute);

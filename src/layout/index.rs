@@ -2,6 +2,7 @@
 
 use super::{ContentHash, Feature, Field, Value, content, field, runs::Runs};
 use crate::geometry::{Rectangle, Shape, Window};
+use rayon::prelude::*;
 use rstar::{AABB, RTree, RTreeObject};
 use std::collections::BTreeMap;
 
@@ -85,26 +86,16 @@ impl RTreeObject for Entry {
     }
 }
 
-impl Layout {
-    /// Puts features in order and indexes them; `O(n log n)`.
-    ///
-    /// # Errors
-    /// If there are too many features, or attributes of one name have values of different kinds.
-    pub fn new(mut features: Vec<Feature>, options: Options) -> Result<Self, LayoutError> {
-        if features.len() > MAX_FEATURES {
-            return Err(LayoutError::TooMany(features.len()));
-        }
-        features.sort_by_key(Feature::hash);
-        let fields = field::fields(&features)?;
-        for (name, values) in &options.defaults {
-            let field = fields.iter().find(|field| *field.name == **name);
-            let numbers = values.iter().all(|value| value.is_finite());
-            if !numbers || field.is_some_and(|field| !matches!(field.kind, super::FieldKind::Numbers(count) if count == values.len())) {
-                return Err(LayoutError::Default(name.clone()));
-            }
-        }
-        let sets = sets(&features);
-        let runs = features.iter().zip(0..).filter_map(|(feature, number)| Some((number, Runs::new(feature.shape().curve()?)?))).collect();
+/// Where all features reach.
+struct Reaches {
+    tree: RTree<Entry>,
+    everywhere: Box<[u32]>,
+    bounds: Rectangle,
+    reached: f64,
+}
+
+impl Reaches {
+    fn of(features: &[Feature]) -> Self {
         let (mut entries, mut everywhere) = (Vec::with_capacity(features.len()), Vec::new());
         for (feature, number) in features.iter().zip(0..) {
             let bounds = reach(feature);
@@ -117,9 +108,59 @@ impl Layout {
         let rectangle = |entry: &Entry| Rectangle { min: entry.envelope.lower(), max: entry.envelope.upper() };
         let bounds = entries.iter().fold(Rectangle::EMPTY, |all, entry| all.union(rectangle(entry)));
         let reached = entries.iter().map(|entry| area(&rectangle(entry))).sum();
-        let content = content::of_features(features.iter());
-        let (features, tree) = (features.into(), RTree::bulk_load(entries));
-        Ok(Self { features, fields, options, sets, runs, tree, everywhere: everywhere.into(), bounds, content, reached })
+        Self { tree: RTree::bulk_load(entries), everywhere: everywhere.into(), bounds, reached }
+    }
+}
+
+/// What else a layout knows of its features.
+struct Rest {
+    fields: Box<[Field]>,
+    sets: Box<[u32]>,
+    runs: BTreeMap<u32, Box<Runs>>,
+    content: ContentHash,
+}
+
+impl Rest {
+    fn of(features: &[Feature], options: &Options) -> Result<Self, LayoutError> {
+        let fields = field::fields(features)?;
+        for (name, values) in &options.defaults {
+            let field = fields.iter().find(|field| *field.name == **name);
+            let numbers = values.iter().all(|value| value.is_finite());
+            if !numbers || field.is_some_and(|field| !matches!(field.kind, super::FieldKind::Numbers(count) if count == values.len())) {
+                return Err(LayoutError::Default(name.clone()));
+            }
+        }
+        let runs = features.iter().zip(0..).filter_map(|(feature, number)| Some((number, Runs::new(feature.shape().curve()?)?))).collect();
+        Ok(Self { fields, sets: sets(features), runs, content: content::of_features(features.iter()) })
+    }
+}
+
+impl Layout {
+    /// Puts features in order and indexes them; `O(n log n)`.
+    ///
+    /// # Errors
+    /// If there are too many features, or attributes of one name have values of different kinds.
+    pub fn new(mut features: Vec<Feature>, options: Options) -> Result<Self, LayoutError> {
+        check_count(&features)?;
+        features.sort_by_key(Feature::hash);
+        let (reaches, rest) = (Reaches::of(&features), Rest::of(&features, &options)?);
+        Ok(Self::of_parts(features, options, reaches, rest))
+    }
+
+    /// As [`Layout::new`], the same layout on the threads of the present pool. Not for callers that hold a lock: meanwhile their thread may do other work.
+    ///
+    /// # Errors
+    /// As [`Layout::new`].
+    pub fn new_parallel(mut features: Vec<Feature>, options: Options) -> Result<Self, LayoutError> {
+        check_count(&features)?;
+        features.par_sort_by_key(Feature::hash);
+        let (reaches, rest) = rayon::join(|| Reaches::of(&features), || Rest::of(&features, &options));
+        Ok(Self::of_parts(features, options, reaches, rest?))
+    }
+
+    fn of_parts(features: Vec<Feature>, options: Options, reaches: Reaches, rest: Rest) -> Self {
+        let (Reaches { tree, everywhere, bounds, reached }, Rest { fields, sets, runs, content }) = (reaches, rest);
+        Self { features: features.into(), fields, options, sets, runs, tree, everywhere, bounds, content, reached }
     }
 
     /// The features, in the order of their hashes.
@@ -188,6 +229,10 @@ impl Layout {
         found.extend(self.tree.locate_in_envelope_intersecting(AABB::from_corners(area.min, area.max)).map(|entry| entry.feature));
         found.sort_unstable();
     }
+}
+
+fn check_count(features: &[Feature]) -> Result<(), LayoutError> {
+    if features.len() > MAX_FEATURES { Err(LayoutError::TooMany(features.len())) } else { Ok(()) }
 }
 
 fn area(rectangle: &Rectangle) -> f64 {

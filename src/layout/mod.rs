@@ -34,6 +34,7 @@ pub mod geojson;
 mod index;
 mod kernels;
 mod parity;
+mod path;
 mod reference;
 mod runs;
 mod scatter;

@@ -1,10 +1,31 @@
 //! Which points of a part of a block lie inside a polygon.
 
-use super::{
-    runs::{Found, Runs},
-    search::{Node, halves, node},
-};
+use super::runs::{Found, Runs};
 use crate::geometry::{Curve, EdgeDetail, Rectangle, crosses};
+
+/// The path of an edge with detail, or of a segment of one.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    ends: [[f64; 2]; 2],
+    /// A rectangle that holds the path.
+    bounds: Rectangle,
+    detail: u32,
+    index: u32,
+    level: u8,
+}
+
+impl Node {
+    fn new(of: &EdgeDetail, detail: u32, [level, index]: [u32; 2], ends: [[f64; 2]; 2]) -> Self {
+        let bounds = Rectangle::around(&ends).grown(of.reach(level as u8, ends[0], ends[1]));
+        Self { ends, bounds, detail, index, level: level as u8 }
+    }
+
+    fn halves(&self, of: &EdgeDetail) -> [Self; 2] {
+        let ([a, b], level) = (self.ends, u32::from(self.level) + 1);
+        let middle = of.midpoint(self.level, self.index, a, b);
+        [([a, middle], 2 * self.index), ([middle, b], 2 * self.index + 1)].map(|(ends, index)| Self::new(of, self.detail, [level, index], ends))
+    }
+}
 
 /// Edges and paths that rays from a block eastwards can cross.
 #[derive(Clone, Debug, Default)]
@@ -43,7 +64,7 @@ impl Parity {
             };
             if matters(&Rectangle::around(&ends).grown(detail.reach(ends[0], ends[1])), area) {
                 let detail = detail.of_edge(ends[0], ends[1], spacing);
-                self.nodes.push(node(&detail, self.details.len() as u32, 0, 0, detail.ends[0], detail.ends[1]));
+                self.nodes.push(Node::new(&detail, self.details.len() as u32, [0; 2], detail.ends));
                 self.details.push(detail);
             }
         }
@@ -56,14 +77,14 @@ impl Parity {
         self.stack.clear();
         self.stack.extend_from_slice(&self.nodes);
         while let Some(node) = self.stack.pop() {
-            let bounds = node.bounds();
-            if !matters(&bounds, area) {
+            if !matters(&node.bounds, area) {
                 continue;
             }
-            if node.straight || bounds.min[0] > area.max[0] {
-                self.part.push([node.a, node.b]);
+            let detail = &self.details[node.detail as usize];
+            if node.level == detail.levels || node.bounds.min[0] > area.max[0] {
+                self.part.push(node.ends);
             } else {
-                self.stack.extend(halves(&self.details[node.chord as usize], &node));
+                self.stack.extend(node.halves(detail));
             }
         }
     }

@@ -64,6 +64,33 @@ fn places(island: &Island) -> f64 {
     core::f64::consts::PI * across * across
 }
 
+/// Ranges in metres of what grows with the size of an island, as its generators check them: the radius of the land, the spacing of rivers, the step of ridges.
+const LENGTHS: [[f64; 2]; 3] = [[1.0, 1e7], [1.0, 1e6], [1.0, 1e6]];
+
+/// Checks that islands of the least and of the greatest size can be made: then those of all sizes between can be.
+fn check_sizes(template: &Island, options: &ScatterOptions) -> Result<(), GenerateError> {
+    let lengths = [template.landmass.radius, template.rivers.spacing, template.ridges.step];
+    for (place, scale) in ["scatter.scale[0]", "scatter.scale[1]"].into_iter().zip(options.scale) {
+        for (length, [least, most]) in lengths.into_iter().zip(LENGTHS) {
+            // A length that is wrong at scale 1 is for its generator to name.
+            if (least..=most).contains(&length) {
+                check(place, scale, least / length..=most / length)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The name of a template and its options: the hash of their canonical JSON. Seeds are text there, for numbers of JSON cannot tell them all apart.
+fn content(template: &Island, options: &ScatterOptions) -> ContentHash {
+    let Island { landmass, rivers, lakes, ridges, ground } = template;
+    let ScatterOptions { cell, seed, chance, scale, far_spacing, sea_level } = options;
+    let form = (("scatter 1", landmass, rivers, lakes, ridges, ground), (cell, seed.to_string(), chance, scale, far_spacing, sea_level));
+    // All numbers are finite, or an option or a parameter would have been refused.
+    let digest = Sha256::digest(serde_json_canonicalizer::to_vec(&form).unwrap_or_default());
+    ContentHash(core::array::from_fn(|i| digest[i]))
+}
+
 /// How islands are scattered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScatterOptions {
@@ -144,6 +171,7 @@ impl Scatter {
         let shelf = SHELF * template.rivers.spacing;
         // Half a cell must hold land and shelf of the largest island.
         check("scatter.cell", options.cell, 2.0 * (land + shelf) * options.scale[1]..=PLANE_LIMIT / 1024.0)?;
+        check_sizes(&template, &options)?;
         // Heights of a massif count from what lies beneath.
         let options = if template.ground == Ground::Massif { ScatterOptions { sea_level: 0.0, ..options } } else { options };
         let styles = template.styles(0, options.sea_level)?;
@@ -153,10 +181,9 @@ impl Scatter {
             return Err(GenerateError::TooMany { place: "scatter.far_spacing", expected, limit: MOST_PLACES as usize });
         }
         let far = Far::new(&template, &styles, &options, [land, shelf])?;
-        let digest = Sha256::digest(format!("{template:?} {options:?}"));
         let cells = Mutex::new(LruCache::new(KEPT));
-        let mut scatter =
-            Self { materials: far.materials.clone(), content: ContentHash(core::array::from_fn(|i| digest[i])), options, template, land, shelf, far, cells };
+        let content = content(&template, &options);
+        let mut scatter = Self { materials: far.materials.clone(), content, options, template, land, shelf, far, cells };
         scatter.far.means = scatter.means();
         Ok(scatter)
     }
@@ -193,7 +220,8 @@ impl Scatter {
             let mut cells = self.cells.lock().unwrap_or_else(PoisonError::into_inner);
             Arc::clone(cells.get_or_insert(cell, Content::default))
         };
-        // Others that want the same cell wait for it; those that want another do not.
+        // Others that want the same cell wait for it; those that want another do not. Sizes and parameters were checked, so that only an island that leaves the
+        // plane can fail.
         content.get_or_init(|| self.generate(place).ok().map(Arc::new)).clone()
     }
 

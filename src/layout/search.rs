@@ -4,7 +4,11 @@
 //! of the curve and any place x of a path, |p - x|² - |p - v|² is linear in p: what is positive at the four corners of a rectangle is positive in all of it. So a
 //! path whose capsule is farther than v from each corner is nowhere nearest and is never halved.
 
-use super::{block::LEAST, runs::Runs};
+use super::{
+    block::{Block, LEAST},
+    path::{Flat, Frame, Kept, Paths},
+    runs::Runs,
+};
 use crate::{
     geometry::{Chord, Curve, Edge, EdgeDetail, Rectangle},
     noise::Lanes,
@@ -13,23 +17,14 @@ use crate::{
 /// The path of a chord, or of a segment of one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
-    pub a: [f64; 2],
-    pub b: [f64; 2],
-    /// Metres that the path can be away from the segment from a to b; 0 if it is straight.
-    reach: f64,
+    /// Where its flat form stands.
+    flat: u32,
     /// Number of the chord in the search.
     pub chord: u32,
     /// Number of the segment on its level, or of the edge of an expanded chord.
     pub index: u32,
-    pub level: u8,
-    pub straight: bool,
-}
-
-impl Node {
-    /// A rectangle that holds the path.
-    pub(super) fn bounds(&self) -> Rectangle {
-        Rectangle::around(&[self.a, self.b]).grown(self.reach)
-    }
+    level: u8,
+    straight: bool,
 }
 
 /// A chord that can be near.
@@ -38,92 +33,170 @@ pub(super) struct Near {
     pub chord: Chord,
     pub straight: Edge,
     pub detail: Option<EdgeDetail>,
+    /// Its path, if that is kept.
+    kept: Option<Kept>,
 }
 
 /// A search for one curve and one block.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Search {
     pub chords: Vec<Near>,
     /// The paths to begin with.
     pub roots: Vec<Node>,
+    pub frame: Frame,
     /// Metres beyond which nothing is asked.
-    reach: f64,
-    /// What rounding can make of squared distances.
-    slack: f64,
+    reach: f32,
+    /// Segments that are kept for all blocks.
+    paths: Paths,
+    /// Segments of this block alone stand after those that are kept: their flat forms and their ends.
+    flats: Vec<Flat>,
+    ends: Vec<[[f64; 2]; 2]>,
     edges: Vec<u32>,
     next: Vec<Node>,
 }
 
+/// Numbers of segments from here on are those of the block alone.
+const OWN: u32 = 1 << 31;
+
 impl Search {
-    /// Goes to a curve and an area.
-    pub(super) fn begin(&mut self, curve: &Curve, runs: Option<&Runs>, area: &Rectangle, reach: f64, spacing: f64) {
-        self.chords.clear();
-        self.roots.clear();
+    /// For the blocks of a window.
+    pub(super) fn new(frame: Frame) -> Self {
+        Self {
+            chords: Vec::new(),
+            roots: Vec::new(),
+            frame,
+            reach: 0.0,
+            paths: Paths::default(),
+            flats: Vec::new(),
+            ends: Vec::new(),
+            edges: Vec::new(),
+            next: Vec::new(),
+        }
+    }
+
+    /// Goes to the curve of a feature and an area.
+    pub(super) fn begin(&mut self, number: u32, curve: &Curve, runs: Option<&Runs>, area: &Rectangle, reach: f64, spacing: f64) {
+        self.begin_reach(reach);
         self.edges.clear();
+        self.paths.limit();
         let stride = curve.stride();
         match runs {
             Some(runs) => runs.near(curve, area, reach, &mut self.edges),
             None => self.edges.extend(0..(curve.chord_count() * stride) as u32),
         }
-        let (mut last, mut bounds) = (None, *area);
-        for &i in &self.edges {
-            let chord = i as usize / stride;
+        let mut last = None;
+        for i in 0..self.edges.len() {
+            let edge = self.edges[i] as usize;
+            let chord = edge / stride;
             if last.replace(chord) != Some(chord) {
+                let key = (number, chord as u32);
                 let chord = curve.chord(chord);
                 let detail = curve.detail().map(|detail| detail.of_edge(chord.ends[0], chord.ends[1], spacing));
-                self.chords.push(Near { chord, straight: Edge::new(chord.ends[0], chord.ends[1]), detail });
-                bounds = bounds.union(Rectangle::around(&chord.ends));
+                let kept = detail.as_ref().and_then(|detail| {
+                    let area = || Rectangle::around(&chord.ends).grown(detail.reach(0, detail.ends[0], detail.ends[1]) + reach);
+                    self.paths.get(key, detail, &self.frame, area)
+                });
+                self.chords.push(Near { chord, straight: Edge::new(chord.ends[0], chord.ends[1]), detail, kept });
             }
-            let number = self.chords.len() as u32 - 1;
-            let near = &self.chords[number as usize];
-            self.roots.push(if let Some(detail) = &near.detail {
-                node(detail, number, 0, 0, detail.ends[0], detail.ends[1])
-            } else {
-                let [a, b] = curve.edge(i as usize);
-                Node { a, b, reach: 0.0, chord: number, index: i % stride as u32, level: 0, straight: true }
-            });
+            let chord = self.chords.len() as u32 - 1;
+            let Near { detail, kept, .. } = &self.chords[chord as usize];
+            let root = match (detail, kept) {
+                (Some(detail), Some(kept)) => Node { flat: kept.first, chord, index: 0, level: 0, straight: detail.levels == 0 },
+                (Some(detail), None) => {
+                    let (ends, reach) = (detail.ends, detail.reach(0, detail.ends[0], detail.ends[1]));
+                    let flat = own(&mut self.flats, &mut self.ends, &self.frame, ends, reach);
+                    Node { flat, chord, index: 0, level: 0, straight: detail.levels == 0 }
+                }
+                (None, _) => {
+                    let flat = own(&mut self.flats, &mut self.ends, &self.frame, curve.edge(edge), 0.0);
+                    Node { flat, chord, index: (edge % stride) as u32, level: 0, straight: true }
+                }
+            };
+            self.roots.push(root);
         }
-        self.begin_reach(reach, bounds);
     }
 
     /// Goes to a single point.
-    pub(super) fn begin_point(&mut self, at: [f64; 2], elevation: f64, reach: f64, area: &Rectangle) {
+    pub(super) fn begin_point(&mut self, at: [f64; 2], elevation: f64, reach: f64) {
+        self.begin_reach(reach);
         let chord = Chord { first: 0, ends: [at; 2], elevations: [elevation; 2] };
-        self.chords.clear();
-        self.roots.clear();
-        self.chords.push(Near { chord, straight: Edge::new(at, at), detail: None });
-        self.roots.push(Node { a: at, b: at, reach: 0.0, chord: 0, index: 0, level: 0, straight: true });
-        self.begin_reach(reach, area.union(Rectangle::around(&[at])));
+        self.chords.push(Near { chord, straight: Edge::new(at, at), detail: None, kept: None });
+        let flat = own(&mut self.flats, &mut self.ends, &self.frame, [at; 2], 0.0);
+        self.roots.push(Node { flat, chord: 0, index: 0, level: 0, straight: true });
     }
 
-    fn begin_reach(&mut self, reach: f64, bounds: Rectangle) {
-        let [width, height] = [bounds.max[0] - bounds.min[0], bounds.max[1] - bounds.min[1]];
-        self.reach = reach;
-        self.slack = (width * width + height * height) * 1e-18;
+    /// The flat form of a path.
+    #[inline(always)]
+    fn flat(&self, node: &Node) -> &Flat {
+        flat_of(&self.paths, &self.flats, node.flat)
+    }
+
+    /// The ends of a path.
+    #[inline(always)]
+    pub(super) fn ends(&self, node: &Node) -> [[f64; 2]; 2] {
+        match &self.chords[node.chord as usize].kept {
+            Some(kept) if node.flat < OWN => self.paths.ends(kept, node.level, node.index),
+            _ => self.ends[(node.flat - OWN) as usize],
+        }
+    }
+
+    /// Adds both halves of a path, in the direction of the curve, to the list of what comes next; the beginning of the second in lexicographical order is answered.
+    #[inline(always)]
+    fn halve(&mut self, node: &Node) -> [f32; 2] {
+        let Near { detail, kept, .. } = &self.chords[node.chord as usize];
+        let Some(detail) = detail else { return [0.0; 2] };
+        let (level, first) = (node.level + 1, 2 * node.index);
+        let straight = level == detail.levels;
+        let flats = match kept {
+            Some(kept) if level <= kept.levels => {
+                let at = kept.first + 2 * (node.flat - kept.first) + 1;
+                [at, at + 1]
+            }
+            _ => {
+                let [a, b] = self.ends(node);
+                let middle = detail.midpoint(node.level, node.index, a, b);
+                [[a, middle], [middle, b]].map(|[a, b]| own(&mut self.flats, &mut self.ends, &self.frame, [a, b], detail.reach(level, a, b)))
+            }
+        };
+        let middle = flat_of(&self.paths, &self.flats, flats[1]).start;
+        let halves = [Node { flat: flats[0], index: first, level, straight, ..*node }, Node { flat: flats[1], index: first + 1, level, straight, ..*node }];
+        self.next.extend_from_slice(&if detail.reversed { [halves[1], halves[0]] } else { halves });
+        middle
+    }
+
+    fn begin_reach(&mut self, reach: f64) {
+        self.chords.clear();
+        self.roots.clear();
+        self.flats.clear();
+        self.ends.clear();
+        self.reach = (reach * (1.0 + 1e-6)) as f32;
     }
 
     /// Leaves those paths in the list that can be nearest to a point of an area, halving them while there are at most `limit`; `true` if all are straight.
     #[inline(always)]
     pub(super) fn refine(&mut self, area: &Rectangle, list: &mut Vec<Node>, limit: usize) -> bool {
-        let ([xs, ys], diagonal) = (corners(area), diagonal(area));
+        let [xs, ys] = self.frame.corners(area);
+        // No point of the area is farther from its nearest corner than half the diagonal.
+        let diagonal = [xs[1] - xs[0], ys[2] - ys[0]];
+        let far = self.reach + (diagonal[0] * diagonal[0] + diagonal[1] * diagonal[1]).sqrt() * (0.5 + 1e-6);
         loop {
-            let witnesses = witnesses(&xs, &ys, list);
+            let witnesses = self.witnesses(&xs, &ys, list);
             let (mut halved, mut crooked) = (false, false);
             let halving = list.len() <= limit;
             self.next.clear();
             for node in &*list {
-                let squares = squares(&xs, &ys, node);
-                if self.is_far(node, &squares, diagonal) || self.is_dominated(node, &squares, &witnesses) {
+                let flat = self.flat(node);
+                let squares = squares(&xs, &ys, flat);
+                let most = far + flat.reach;
+                if least(&squares) > most * most || is_dominated(flat.reach, &squares, &witnesses) {
                     continue;
                 }
                 if node.straight || !halving {
                     crooked |= !node.straight;
                     self.next.push(*node);
-                    continue;
-                }
-                halved = true;
-                if let Some(detail) = &self.chords[node.chord as usize].detail {
-                    self.next.extend(halves(detail, node));
+                } else {
+                    halved = true;
+                    self.halve(node);
                 }
             }
             std::mem::swap(list, &mut self.next);
@@ -136,10 +209,10 @@ impl Search {
     /// Whether some corner of an area is beyond the reach of the search.
     #[inline(always)]
     pub(super) fn leaves(&self, area: &Rectangle, list: &[Node]) -> bool {
-        let [xs, ys] = corners(area);
-        let mut most_least = [f64::INFINITY; 4];
+        let [xs, ys] = self.frame.corners(area);
+        let mut most_least = [f32::INFINITY; 4];
         for node in list {
-            for (least, square) in most_least.iter_mut().zip(squares(&xs, &ys, node)) {
+            for (least, square) in most_least.iter_mut().zip(squares(&xs, &ys, self.flat(node))) {
                 *least = if square < *least { square } else { *least };
             }
         }
@@ -149,28 +222,26 @@ impl Search {
 
     /// As [`Search::refine`] to the end, asking every point of a least part of a block instead of its corners.
     #[inline(always)]
-    pub(super) fn refine_points<L: Lanes>(&mut self, lanes: L, points: [&[f64]; 2], list: &mut Vec<Node>) {
-        let mut packet = Packet::new(lanes, points, self.reach);
+    pub(super) fn refine_points<L: Lanes>(&mut self, lanes: L, block: &Block, start: usize, list: &mut Vec<Node>) {
+        let mut packet = Packet::new(block, start, self.reach);
         for node in &*list {
-            packet.meet(lanes, node.a);
-            packet.meet(lanes, node.b);
+            for end in self.flat(node).ends() {
+                packet.meet(lanes, end);
+            }
         }
         loop {
             packet.measure(lanes);
             let mut halved = false;
             self.next.clear();
             for node in &*list {
-                if !packet.can_be_nearest(lanes, node) {
+                if !packet.can_be_nearest(lanes, self.flat(node)) {
                     continue;
                 }
-                match &self.chords[node.chord as usize].detail {
-                    Some(detail) if !node.straight => {
-                        halved = true;
-                        let halves = halves(detail, node);
-                        packet.meet(lanes, if detail.reversed { halves[0].a } else { halves[0].b });
-                        self.next.extend(halves);
-                    }
-                    _ => self.next.push(*node),
+                if node.straight {
+                    self.next.push(*node);
+                } else {
+                    halved = true;
+                    packet.meet(lanes, self.halve(node));
                 }
             }
             std::mem::swap(list, &mut self.next);
@@ -180,75 +251,92 @@ impl Search {
         }
     }
 
-    /// Whether the path is beyond the reach of the search everywhere in an area of a diagonal.
-    #[inline(always)]
-    fn is_far(&self, node: &Node, squares: &[f64; 4], diagonal: f64) -> bool {
-        // No point of the area is farther from its nearest corner than half the diagonal.
-        let far = (self.reach + node.reach + diagonal * 0.5) * (1.0 + 1e-9);
-        least(squares) > far * far + self.slack
+    /// Whether a path can touch an area.
+    pub(super) fn touches(&self, node: &Node, area: &Rectangle) -> bool {
+        let [xs, ys] = self.frame.corners(area);
+        let flat = self.flat(node);
+        let [width, height] = [xs[1] - xs[0], ys[2] - ys[0]];
+        let far = (width * width + height * height).sqrt() * (0.5 + 1e-6) + flat.reach;
+        least(&squares(&xs, &ys, flat)) <= far * far
     }
 
-    /// Whether some witness is nearer than the path at each corner.
+    /// For each corner the nearest known point of the curve: its distances from all corners.
     #[inline(always)]
-    fn is_dominated(&self, node: &Node, squares: &[f64; 4], witnesses: &[[f64; 4]; 4]) -> bool {
-        let mut dominated = false;
-        for distances in witnesses {
-            let mut nearer = true;
-            for i in 0..4 {
-                let most = distances[i] + node.reach;
-                nearer &= squares[i] > most * most * (1.0 + 1e-8) + self.slack;
+    fn witnesses(&self, xs: &[f32; 4], ys: &[f32; 4], list: &[Node]) -> [[f32; 4]; 4] {
+        let (mut least, mut found) = ([f32::INFINITY; 4], [[0.0; 4]; 2]);
+        for node in list {
+            for point in self.flat(node).ends() {
+                for i in 0..4 {
+                    let (x, y) = (xs[i] - point[0], ys[i] - point[1]);
+                    let square = x * x + y * y;
+                    let nearer = square < least[i];
+                    least[i] = if nearer { square } else { least[i] };
+                    found[0][i] = if nearer { point[0] } else { found[0][i] };
+                    found[1][i] = if nearer { point[1] } else { found[1][i] };
+                }
             }
-            dominated |= nearer;
         }
-        dominated
+        let mut distances = [[0.0; 4]; 4];
+        for (distances, (px, py)) in distances.iter_mut().zip(found[0].iter().zip(&found[1])) {
+            for i in 0..4 {
+                let (x, y) = (xs[i] - px, ys[i] - py);
+                distances[i] = (x * x + y * y).sqrt();
+            }
+        }
+        distances
     }
 }
 
-/// The points of a least part of a block in f32, from its middle, with the distances of the nearest known points of the curve.
-struct Packet {
-    middle: [f64; 2],
-    /// Metres from the middle to the farthest point, at most.
-    radius: f64,
-    xs: [f32; LEAST],
-    ys: [f32; LEAST],
+/// Adds a segment to those of the block alone.
+#[inline(always)]
+fn own(flats: &mut Vec<Flat>, all: &mut Vec<[[f64; 2]; 2]>, frame: &Frame, ends: [[f64; 2]; 2], reach: f64) -> u32 {
+    flats.push(Flat::new(frame, ends[0], ends[1], reach));
+    all.push(ends);
+    OWN + flats.len() as u32 - 1
+}
+
+#[inline(always)]
+fn flat_of<'a>(paths: &'a Paths, own: &'a [Flat], number: u32) -> &'a Flat {
+    if number < OWN { &paths.flats[number as usize] } else { &own[(number - OWN) as usize] }
+}
+
+/// Whether some witness is nearer than a path at each corner.
+#[inline(always)]
+fn is_dominated(reach: f32, squares: &[f32; 4], witnesses: &[[f32; 4]; 4]) -> bool {
+    let mut dominated = false;
+    for distances in witnesses {
+        let mut nearer = true;
+        for i in 0..4 {
+            let most = distances[i] + reach;
+            nearer &= squares[i] > most * most;
+        }
+        dominated |= nearer;
+    }
+    dominated
+}
+
+/// The points of a least part of a block, with the distances of the nearest known points of the curve.
+struct Packet<'a> {
+    points: [&'a [f32]; 2],
     squares: [f32; LEAST],
     distances: [f32; LEAST],
 }
 
-/// What rounding to f32 can make of squares, relative to the squared size of what is computed with: 64 roundings.
-const ROUNDING: f32 = 4e-6;
-
-impl Packet {
+impl<'a> Packet<'a> {
     #[inline(always)]
-    fn new<L: Lanes>(lanes: L, [xs, ys]: [&[f64]; 2], reach: f64) -> Self {
-        let last = LEAST - 1;
-        let middle = [(xs[0] + xs[last]) * 0.5, (ys[0] + ys[last]) * 0.5];
-        let radius = (xs[last] - xs[0]).abs() + (ys[last] - ys[0]).abs();
-        let mut packet = Self { middle, radius, xs: [0.0; LEAST], ys: [0.0; LEAST], squares: [0.0; LEAST], distances: [0.0; LEAST] };
-        for i in (0..LEAST).step_by(L::WIDTH) {
-            let x = lanes.round(lanes.load_doubles(&xs[i..]) - lanes.splat_doubles(middle[0]));
-            let y = lanes.round(lanes.load_doubles(&ys[i..]) - lanes.splat_doubles(middle[1]));
-            lanes.store(x, &mut packet.xs[i..]);
-            lanes.store(y, &mut packet.ys[i..]);
-        }
-        // What is beyond the reach is never nearest; a little more, for rounding.
-        packet.squares = [(reach * reach * (1.0 + 1e-5)).min(f64::from(f32::MAX)) as f32; LEAST];
-        packet
-    }
-
-    /// A place relative to the middle, rounded.
-    #[inline(always)]
-    fn relative(&self, p: [f64; 2]) -> [f32; 2] {
-        [(p[0] - self.middle[0]) as f32, (p[1] - self.middle[1]) as f32]
+    fn new(block: &'a Block, start: usize, reach: f32) -> Self {
+        let points = [&block.flat[0].0[start..start + LEAST], &block.flat[1].0[start..start + LEAST]];
+        // What is beyond the reach is never nearest.
+        let most = reach * reach;
+        Self { points, squares: [if most < f32::MAX { most } else { f32::MAX }; LEAST], distances: [0.0; LEAST] }
     }
 
     /// A point of the curve: no point is farther from the curve than from it.
     #[inline(always)]
-    fn meet<L: Lanes>(&mut self, lanes: L, p: [f64; 2]) {
-        let p = self.relative(p);
+    fn meet<L: Lanes>(&mut self, lanes: L, p: [f32; 2]) {
         let p = [lanes.splat(p[0]), lanes.splat(p[1])];
         for i in (0..LEAST).step_by(L::WIDTH) {
-            let (x, y) = (lanes.load(&self.xs[i..]) - p[0], lanes.load(&self.ys[i..]) - p[1]);
+            let (x, y) = (lanes.load(&self.points[0][i..]) - p[0], lanes.load(&self.points[1][i..]) - p[1]);
             let least = lanes.smaller(lanes.load(&self.squares[i..]), x * x + y * y);
             lanes.store(least, &mut self.squares[i..]);
         }
@@ -263,60 +351,31 @@ impl Packet {
 
     /// Whether a path can be nearer to any of the points than all that is known.
     #[inline(always)]
-    fn can_be_nearest<L: Lanes>(&self, lanes: L, node: &Node) -> bool {
-        let (a, b) = (self.relative(node.a), self.relative(node.b));
-        let along = [b[0] - a[0], b[1] - a[1]];
-        let square = along[0] * along[0] + along[1] * along[1];
-        let inverse = lanes.splat(if square > 1e-30 { 1.0 / square } else { 0.0 });
-        let size = a[0].abs() + a[1].abs() + b[0].abs() + b[1].abs() + self.radius as f32 + node.reach as f32;
-        let slack = lanes.splat(size * size * ROUNDING);
-        let (a, along) = ([lanes.splat(a[0]), lanes.splat(a[1])], [lanes.splat(along[0]), lanes.splat(along[1])]);
-        let (zero, one, reach) = (lanes.splat(0.0), lanes.splat(1.0), lanes.splat(node.reach as f32));
+    fn can_be_nearest<L: Lanes>(&self, lanes: L, flat: &Flat) -> bool {
+        let (a, along) = (flat.start.map(|c| lanes.splat(c)), flat.along.map(|c| lanes.splat(c)));
+        let (inverse, reach) = (lanes.splat(flat.inverse), lanes.splat(flat.reach));
+        let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
         let mut can = false;
         for i in (0..LEAST).step_by(L::WIDTH) {
-            let (x, y) = (lanes.load(&self.xs[i..]) - a[0], lanes.load(&self.ys[i..]) - a[1]);
+            let (x, y) = (lanes.load(&self.points[0][i..]) - a[0], lanes.load(&self.points[1][i..]) - a[1]);
             let t = lanes.smaller(lanes.larger((x * along[0] + y * along[1]) * inverse, zero), one);
             let (x, y) = (x - along[0] * t, y - along[1] * t);
             let most = lanes.load(&self.distances[i..]) + reach;
-            can |= lanes.any_less(x * x + y * y, most * most + slack);
+            can |= lanes.any_less(x * x + y * y, most * most);
         }
         can
     }
-}
-
-/// Whether a path can touch an area.
-#[inline(always)]
-pub(super) fn touches(node: &Node, area: &Rectangle) -> bool {
-    let [xs, ys] = corners(area);
-    let far = (diagonal(area) * 0.5 + node.reach) * (1.0 + 1e-9);
-    least(&squares(&xs, &ys, node)) <= far * far
-}
-
-#[inline(always)]
-pub(super) fn node(detail: &EdgeDetail, chord: u32, level: u8, index: u32, a: [f64; 2], b: [f64; 2]) -> Node {
-    Node { a, b, reach: detail.reach(level, a, b), chord, index, level, straight: level == detail.levels }
-}
-
-/// Both halves of a path, in the direction of the curve.
-#[inline(always)]
-pub(super) fn halves(detail: &EdgeDetail, of: &Node) -> [Node; 2] {
-    let middle = detail.midpoint(of.level, of.index, of.a, of.b);
-    let first = node(detail, of.chord, of.level + 1, 2 * of.index, of.a, middle);
-    let second = node(detail, of.chord, of.level + 1, 2 * of.index + 1, middle, of.b);
-    if detail.reversed { [second, first] } else { [first, second] }
 }
 
 /// Squared distances of the corners from the straight segment of a path.
 ///
 /// Plain loops, here and below: closures would not always become part of a kernel.
 #[inline(always)]
-fn squares(xs: &[f64; 4], ys: &[f64; 4], node: &Node) -> [f64; 4] {
-    let (along, from) = ([node.b[0] - node.a[0], node.b[1] - node.a[1]], node.a);
-    let square = along[0] * along[0] + along[1] * along[1];
-    let inverse = if square > 1e-200 { 1.0 / square } else { 0.0 };
+fn squares(xs: &[f32; 4], ys: &[f32; 4], flat: &Flat) -> [f32; 4] {
+    let Flat { start, along, inverse, .. } = flat;
     let mut squares = [0.0; 4];
     for i in 0..4 {
-        let (x, y) = (xs[i] - from[0], ys[i] - from[1]);
+        let (x, y) = (xs[i] - start[0], ys[i] - start[1]);
         let t = (x * along[0] + y * along[1]) * inverse;
         let t = if t > 0.0 { t } else { 0.0 };
         let t = if t < 1.0 { t } else { 1.0 };
@@ -328,47 +387,7 @@ fn squares(xs: &[f64; 4], ys: &[f64; 4], node: &Node) -> [f64; 4] {
 
 /// The least of four numbers.
 #[inline(always)]
-fn least(of: &[f64; 4]) -> f64 {
+fn least(of: &[f32; 4]) -> f32 {
     let (a, b) = (if of[1] < of[0] { of[1] } else { of[0] }, if of[3] < of[2] { of[3] } else { of[2] });
     if b < a { b } else { a }
-}
-
-/// The coordinates of the corners of an area.
-#[inline(always)]
-fn corners(area: &Rectangle) -> [[f64; 4]; 2] {
-    let ([x0, y0], [x1, y1]) = (area.min, area.max);
-    [[x0, x1, x0, x1], [y0, y0, y1, y1]]
-}
-
-/// The diagonal of an area.
-#[inline(always)]
-fn diagonal(area: &Rectangle) -> f64 {
-    let [width, height] = [area.max[0] - area.min[0], area.max[1] - area.min[1]];
-    (width * width + height * height).sqrt()
-}
-
-/// For each corner the nearest known point of the curve: its distances from all corners.
-#[inline(always)]
-fn witnesses(xs: &[f64; 4], ys: &[f64; 4], list: &[Node]) -> [[f64; 4]; 4] {
-    let (mut least, mut found) = ([f64::INFINITY; 4], [[0.0; 4]; 2]);
-    for node in list {
-        for point in [node.a, node.b] {
-            for i in 0..4 {
-                let (x, y) = (xs[i] - point[0], ys[i] - point[1]);
-                let square = x * x + y * y;
-                let nearer = square < least[i];
-                least[i] = if nearer { square } else { least[i] };
-                found[0][i] = if nearer { point[0] } else { found[0][i] };
-                found[1][i] = if nearer { point[1] } else { found[1][i] };
-            }
-        }
-    }
-    let mut distances = [[0.0; 4]; 4];
-    for (distances, (px, py)) in distances.iter_mut().zip(found[0].iter().zip(&found[1])) {
-        for i in 0..4 {
-            let (x, y) = (xs[i] - px, ys[i] - py);
-            distances[i] = (x * x + y * y).sqrt();
-        }
-    }
-    distances
 }

@@ -230,6 +230,17 @@ fn order_partition_and_threads_do_not_change_a_bit() {
     }
 }
 
+#[test]
+fn a_layout_made_on_many_threads_is_the_same() {
+    let mut random = Random(31);
+    let (all, options) = (features(&mut random, [0.0, 0.0], 60), options(&mut random));
+    let (one, many) = (Layout::new(all.clone(), options.clone()).expect("valid"), Layout::new_parallel(all, options).expect("valid"));
+    let everywhere = |layout: &Layout| layout.content_in(&Rectangle::EVERYTHING);
+    assert_eq!((one.features(), one.fields(), everywhere(&one)), (many.features(), many.fields(), everywhere(&many)));
+    let window = window(&mut random, Filter::Exact);
+    assert_eq!(one.sample(&window, None, &one.everything()), many.sample(&window, None, &many.everything()));
+}
+
 /// What is not selected has no influence on what is.
 #[test]
 fn a_selection_changes_no_value() {

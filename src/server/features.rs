@@ -84,7 +84,7 @@ pub(super) async fn change<T: Send + 'static>(
 ) -> Result<(Arc<Live>, T), ApiError> {
     let app = app.clone();
     let task = tokio::spawn(async move {
-        let _editing = app.0.editing.lock().await;
+        let _editing = app.0.editing.begin(&name).await;
         let shelf = Live::shelf(&app);
         let live = shelf.get(&name).ok_or_else(|| ApiError::absent("world", format!("no world is named {name:?}")))?;
         let edited = Arc::clone(&live);

@@ -2,6 +2,7 @@
 
 mod compute;
 mod config;
+mod editing;
 mod embedded;
 mod error;
 mod extract;

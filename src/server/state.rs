@@ -3,6 +3,7 @@
 use super::{
     compute::Compute,
     config::Config,
+    editing::Editing,
     library::{self, Shown},
     sets::StoredSets,
     shelf::{LoadError, Shelf},
@@ -32,8 +33,7 @@ pub(super) struct AppState {
     pub public_url: String,
     pub world_bytes: usize,
     pub feature_bytes: usize,
-    /// Held from reading a world's features to saving them, so that no edit is lost.
-    pub editing: tokio::sync::Mutex<()>,
+    pub editing: Editing,
     /// Whether worlds and programmes can be written: only where no other machine is meant to reach the server.
     pub writable: bool,
     store: Store,
@@ -84,7 +84,7 @@ impl App {
             public_url: config.server.public_url.trim_end_matches('/').to_owned(),
             world_bytes: config.limits.world_bytes,
             feature_bytes: config.limits.feature_bytes,
-            editing: tokio::sync::Mutex::default(),
+            editing: Editing::new(),
             writable: config.server.listen.ip().is_loopback() && config.server.public_url.is_empty(),
             store,
             draining: AtomicBool::new(false),

@@ -95,6 +95,10 @@ fn every_problem_of_a_layer_is_named_with_its_place() {
     check(scatter(json!({"cell": 5000})), &[&format!("{at}/scatter/cell: must be a number from")]);
     check(scatter(json!({"far_spacing": 1e6})), &[&format!("{at}/scatter/far_spacing: must be a number")]);
     check(scatter(json!({"scale": [1, 0.5]})), &[&format!("{at}/scatter/scale/1: must be a number from 1 to")]);
+    // The least islands would have ridges of steps that no generator takes.
+    let fine =
+        json!({"scale": [0.01, 1], "template": {"generate": "island", "landmass": {"radius": 3000}, "rivers": {"spacing": 300}, "ridges": {"step": 60}}});
+    check(scatter(fine), &[&format!("{at}/scatter/scale/0: must be a number from 0.01666")]);
     let mask = |polygon: Value| json!([{"name": "one", "source": {"layout": {"features": []}}, "mask": {"polygon": polygon}}]);
     check(mask(json!([[0, 0], [1, 1], [1, 0], [0, 1]])), &["/layers/0/mask/polygon: "]);
     let features = json!([ridge("a", [0.0, 0.0], 9.0), ridge("b", [0.0, 0.0], 9.0)]);

@@ -151,11 +151,20 @@ impl EdgeDetail {
 
     /// Writes all vertices from the lexicographically first end to the second.
     pub fn expand(&self, out: &mut Vec<[f64; 2]>) {
-        let pieces = 1_usize << self.levels;
+        self.vertices(self.levels, out);
+    }
+
+    /// Writes the vertices after the first `levels` halvings, from the lexicographically first end to the second.
+    ///
+    /// # Panics
+    /// If there are more halvings than the edge has.
+    pub fn vertices(&self, levels: u8, out: &mut Vec<[f64; 2]>) {
+        assert!(levels <= self.levels, "an edge of {} halvings", self.levels);
+        let pieces = 1_usize << levels;
         out.clear();
         out.resize(pieces + 1, self.ends[1]);
         out[0] = self.ends[0];
-        for level in 0..self.levels {
+        for level in 0..levels {
             let step = pieces >> level;
             for index in 0..1 << level {
                 let at = index as usize * step;

@@ -4,7 +4,7 @@ use super::{Conflict, GenerateError, Lakes, Landmass, Ridges, Rivers, Styles, re
 use crate::layout::Feature;
 
 /// What stands on the outline of a land.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub enum Ground {
     /// Land in the sea.
     #[default]

@@ -3,13 +3,16 @@
 use super::{
     coordinates::MOST_VERTICES,
     drawn::Drawn,
+    lines,
     problem::{Problem, Problems, ReadError},
     read::{Form, Reader, TopSeed},
     sets::Sets,
 };
 use crate::layout::{ContentHash, Feature};
+use rayon::prelude::*;
 use serde::{Serialize, Serializer, de::DeserializeSeed, ser::SerializeMap};
 use std::{
+    borrow::Cow,
     collections::BTreeMap,
     io::{BufRead, Read},
     sync::Arc,
@@ -17,6 +20,12 @@ use std::{
 
 /// Most features that are read at a time, and that they may become by their detail.
 pub const MOST_FEATURES: usize = 2_000_000;
+
+/// Fewer features than these are not worth other threads.
+const FEW: usize = 1024;
+
+/// Features that are made at a time before they are taken: what one makes may be large.
+const AT_ONCE: usize = 4096;
 
 /// Features with the sets of attributes that they share.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -40,14 +49,26 @@ impl Collection {
     /// # Errors
     /// If it cannot be read or is not JSON, or with every problem found.
     pub fn read(source: impl Read) -> Result<Self, ReadError> {
-        let mut reader = Reader::default();
-        let mut deserializer = serde_json::Deserializer::from_reader(std::io::BufReader::with_capacity(1 << 16, Plain(source)));
+        let (mut reader, mut source) = (Reader::default(), Plain(source));
+        let (rest, lines) = lines::read(&mut reader, &mut source).map_err(ReadError::Io)?;
+        if reader.count == 0 || !rest.trim_ascii().is_empty() {
+            Self::read_on(&mut reader, rest.chain(source), lines)?;
+        }
+        let Reader { features, sets, mut problems, form, .. } = reader;
+        let read = Self { sets, features, form };
+        read.check_ids(&mut problems);
+        problems.into_result(read)
+    }
+
+    /// Reads what follows so many lines, in order.
+    fn read_on(reader: &mut Reader, source: impl Read, lines: usize) -> Result<(), ReadError> {
+        let mut deserializer = serde_json::Deserializer::from_reader(std::io::BufReader::with_capacity(1 << 16, source));
         loop {
-            if let Err(error) = TopSeed(&mut reader).deserialize(&mut deserializer) {
+            if let Err(error) = TopSeed(reader).deserialize(&mut deserializer) {
                 if error.is_io() {
                     return Err(ReadError::Io(error.into()));
                 }
-                reader.stop(&told(&error));
+                reader.stop(&told(&error, lines));
                 break;
             }
             match deserializer.end() {
@@ -62,10 +83,7 @@ impl Collection {
                 Err(_) => {}
             }
         }
-        let Reader { features, sets, mut problems, form, .. } = reader;
-        let read = Self { sets, features, form };
-        read.check_ids(&mut problems);
-        problems.into_result(read)
+        Ok(())
     }
 
     /// Reads features one a line; there may be none.
@@ -110,7 +128,7 @@ impl Collection {
     /// With every problem found: a name that no set has, an elevation that an attribute needs, detail that a shape cannot have.
     pub fn features(&self, outer: &Sets) -> Result<Vec<Feature>, ReadError> {
         let mut all = Vec::with_capacity(self.features.len());
-        self.each(outer, |mut made| all.append(&mut made))?;
+        self.each(outer, |made| made, |made| all.extend(made))?;
         Ok(all)
     }
 
@@ -119,28 +137,42 @@ impl Collection {
     /// # Errors
     /// As [`Collection::features`].
     pub fn check(&self, outer: &Sets) -> Result<(), ReadError> {
-        self.each(outer, drop)
+        self.each(outer, drop, drop)
     }
 
-    fn each(&self, outer: &Sets, mut take: impl FnMut(Vec<Feature>)) -> Result<(), ReadError> {
+    /// Makes the features, some at a time on all threads of the present pool; `keep` makes of those of one that was drawn what `take` gets, in order.
+    fn each<T: Send>(&self, outer: &Sets, keep: impl Fn(Vec<Feature>) -> T + Sync, mut take: impl FnMut(T)) -> Result<(), ReadError> {
         let (mut problems, mut count, mut vertices) = (Problems::default(), 0, 0);
-        for (number, drawn) in self.features.iter().enumerate() {
-            if problems.is_full() {
-                break;
-            }
-            let label = self.label(number);
-            match drawn.features([&self.sets, outer]) {
-                Ok(made) => {
-                    count += made.len();
-                    vertices += made.iter().map(|feature| feature.shape().curve().map_or(1, |curve| curve.vertices().len())).sum::<usize>();
-                    if count > MOST_FEATURES || vertices > 2 * MOST_VERTICES[1] {
-                        let detail = format!("{label}: its detail makes more than {MOST_FEATURES} features or {} vertices of all", 2 * MOST_VERTICES[1]);
-                        problems.add(self.pointer(number), detail);
-                        break;
+        let make = |drawn: &Drawn| {
+            let made = drawn.features([&self.sets, outer])?;
+            let vertices = made.iter().map(|feature| feature.shape().curve().map_or(1, |curve| curve.vertices().len())).sum::<usize>();
+            Ok((made.len(), vertices, keep(made)))
+        };
+        let mut number = 0;
+        'all: for some in self.features.chunks(AT_ONCE) {
+            let made: Vec<Result<_, (&'static str, String)>> = match some.len() {
+                0..FEW => some.iter().map(make).collect(),
+                _ => some.par_iter().map(make).collect(),
+            };
+            for made in made {
+                match made {
+                    Ok((features, corners, made)) => {
+                        count += features;
+                        vertices += corners;
+                        if count > MOST_FEATURES || vertices > 2 * MOST_VERTICES[1] {
+                            let most = 2 * MOST_VERTICES[1];
+                            let detail = format!("{}: its detail makes more than {MOST_FEATURES} features or {most} vertices of all", self.label(number));
+                            problems.add(self.pointer(number), detail);
+                            break 'all;
+                        }
+                        take(made);
                     }
-                    take(made);
+                    Err((place, detail)) => problems.add(format!("{}{place}", self.pointer(number)), format!("{}: {detail}", self.label(number))),
                 }
-                Err((place, detail)) => problems.add(format!("{}{place}", self.pointer(number)), format!("{label}: {detail}")),
+                if problems.is_full() {
+                    break 'all;
+                }
+                number += 1;
             }
         }
         problems.into_result(())
@@ -158,8 +190,12 @@ impl Collection {
 
     /// Finds ids that two features have.
     pub(super) fn check_ids(&self, problems: &mut Problems) {
-        let mut ids: Vec<(String, usize)> = self.features.iter().zip(0..).filter_map(|(drawn, i)| Some((drawn.id.as_ref()?.to_string(), i))).collect();
-        ids.sort_unstable();
+        let mut ids: Vec<(Cow<str>, usize)> = self.features.iter().zip(0..).filter_map(|(drawn, i)| Some((drawn.id.as_ref()?.text(), i))).collect();
+        if ids.len() < FEW {
+            ids.sort_unstable();
+        } else {
+            ids.par_sort_unstable();
+        }
         for pair in ids.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
             let (id, first, second) = (&pair[0].0, pair[0].1, pair[1].1);
             problems.add(format!("{}/id", self.pointer(second)), format!("feature {id:?}: feature number {first} has this id already"));
@@ -202,9 +238,11 @@ impl Serialize for Collection {
     }
 }
 
-/// What the JSON reader says, without its name for what is not there.
-fn told(error: &serde_json::Error) -> String {
-    format!("not JSON as GeoJSON needs it: {error} (numbers must be finite; NaN and Infinity are none)")
+/// What the JSON reader says of what follows so many lines.
+fn told(error: &serde_json::Error, lines: usize) -> String {
+    let (text, place) = (error.to_string(), format!(" at line {} column {}", error.line(), error.column()));
+    let what = text.strip_suffix(&place).map_or_else(|| text.clone(), |what| format!("{what} at line {} column {}", error.line() + lines, error.column()));
+    format!("not JSON as GeoJSON needs it: {what} (numbers must be finite; NaN and Infinity are none)")
 }
 
 /// Features one a line may have record separators before them (RFC 8142), which are white space here.

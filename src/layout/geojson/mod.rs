@@ -27,6 +27,7 @@ mod collection;
 mod coordinates;
 mod drawn;
 mod geometry;
+mod lines;
 mod members;
 mod number;
 mod problem;

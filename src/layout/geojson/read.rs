@@ -75,6 +75,19 @@ impl Reader {
         }
     }
 
+    /// Takes in what another read of features alone; `false` if it is anything else, or too much.
+    pub(super) fn absorb(&mut self, other: Self) -> bool {
+        let alone = other.problems.count() == 0 && other.sets.is_empty() && other.form.is_none_or(|form| form == Form::Features);
+        let fits = self.count + other.count <= MOST_FEATURES && self.vertices + other.vertices <= MOST_VERTICES[1];
+        if alone && fits {
+            self.form = self.form.or(other.form);
+            self.count += other.count;
+            self.vertices += other.vertices;
+            self.features.extend(other.features);
+        }
+        alone && fits
+    }
+
     /// Says that reading had to stop, and where.
     pub(super) fn stop(&mut self, what: &str) {
         let vertex = self.vertex.map_or_else(String::new, |vertex| format!("vertex {vertex}: "));

@@ -7,9 +7,10 @@ use super::{
     sets::Sets,
 };
 use crate::geometry::Rectangle;
+use rayon::prelude::*;
 use rstar::{AABB, RTree, primitives};
 use sha2::{Digest, Sha256};
-use std::{collections::BTreeSet, fmt::Write, io::Read, sync::OnceLock};
+use std::{collections::BTreeSet, fmt::Write, io::Read, ops::Range, sync::OnceLock};
 
 /// Features of a part at most.
 const LONGEST_PART: usize = 4096;
@@ -64,18 +65,13 @@ impl FeatureSet {
         let mut problems = Problems::default();
         collection.check_ids(&mut problems);
         problems.into_result(())?;
-        let mut ids: BTreeSet<String> = collection.features.iter().filter_map(|drawn| Some(drawn.id.as_ref()?.to_string())).collect();
-        for drawn in collection.features.iter_mut().filter(|drawn| drawn.id.is_none()) {
-            let name = name_of(line(drawn).as_bytes());
-            let numbered = |number: u32| if number == 1 { name[..12].to_owned() } else { format!("{}-{number}", &name[..12]) };
-            let mut number = 1;
-            while !ids.insert(numbered(number)) {
-                number += 1;
-            }
-            drawn.id = Some(Id::Text(numbered(number).into()));
+        if collection.features.iter().any(|drawn| drawn.id.is_none()) {
+            give_ids(&mut collection);
         }
-        let used: BTreeSet<String> = collection.features.iter().flat_map(Drawn::sets).map(str::to_owned).collect();
-        collection.sets.retain(|name| used.contains(name));
+        let mut sets = std::mem::take(&mut collection.sets);
+        let used: BTreeSet<&str> = collection.features.iter().flat_map(Drawn::sets).collect();
+        sets.retain(|name| used.contains(name));
+        collection.sets = sets;
         Ok(Self { collection, tree: OnceLock::new() })
     }
 
@@ -110,19 +106,20 @@ impl FeatureSet {
     #[must_use]
     pub fn stored(&self) -> StoredSet {
         let attributes = serde_json::to_string(&self.collection.sets).unwrap_or_default();
-        let (mut parts, mut part, mut count) = (Vec::new(), String::new(), 0);
-        let mut features = self.collection.features.iter().peekable();
-        while let Some(drawn) = features.next() {
-            let line = line(drawn);
-            let ends = scattered(line.as_bytes()).is_multiple_of(PART);
-            part.push_str(&line);
-            part.push('\n');
-            count += 1;
-            if ends || count == LONGEST_PART || features.peek().is_none() {
-                parts.push((name_of(part.as_bytes()), std::mem::take(&mut part)));
-                count = 0;
+        // Lines first, on all threads of the present pool; then the parts that they make.
+        let lines: Vec<(String, bool)> = self.collection.features.par_iter().map(|drawn| ended(line(drawn))).collect();
+        let (mut ranges, mut first) = (Vec::new(), 0);
+        for (i, (_, ends)) in lines.iter().enumerate() {
+            if *ends || i + 1 - first == LONGEST_PART || i + 1 == lines.len() {
+                ranges.push(first..i + 1);
+                first = i + 1;
             }
         }
+        let part = |range: Range<usize>| {
+            let body: String = lines[range].iter().map(|(line, _)| &**line).collect();
+            (name_of(body.as_bytes()), body)
+        };
+        let parts: Vec<(String, String)> = ranges.into_par_iter().map(part).collect();
         let names: Vec<&str> = parts.iter().map(|(name, _)| &**name).collect();
         let name = name_of(format!("terrane features 1\n{attributes}\n{}", names.join("\n")).as_bytes());
         StoredSet { name, attributes, parts }
@@ -141,9 +138,30 @@ impl FeatureSet {
     }
 }
 
+/// Gives features without an id one made of their content.
+fn give_ids(collection: &mut Collection) {
+    let mut ids: BTreeSet<String> = collection.features.iter().filter_map(|drawn| Some(drawn.id.as_ref()?.to_string())).collect();
+    for drawn in collection.features.iter_mut().filter(|drawn| drawn.id.is_none()) {
+        let name = name_of(line(drawn).as_bytes());
+        let numbered = |number: u32| if number == 1 { name[..12].to_owned() } else { format!("{}-{number}", &name[..12]) };
+        let mut number = 1;
+        while !ids.insert(numbered(number)) {
+            number += 1;
+        }
+        drawn.id = Some(Id::Text(numbered(number).into()));
+    }
+}
+
 /// A feature as one line of text.
 fn line(drawn: &Drawn) -> String {
     serde_json::to_string(drawn).unwrap_or_default()
+}
+
+/// A line with its end, and whether a part ends after it.
+fn ended(mut line: String) -> (String, bool) {
+    let ends = scattered(line.as_bytes()).is_multiple_of(PART);
+    line.push('\n');
+    (line, ends)
 }
 
 /// The name of a feature's content: 32 hex digits.

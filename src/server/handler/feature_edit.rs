@@ -105,7 +105,14 @@ pub(crate) async fn post_features(
 
 /// Says which ids are taken.
 fn refuse_taken(all: &Collection, new: &Collection) -> Result<(), ApiError> {
-    let taken: BTreeSet<String> = all.features.iter().filter_map(|drawn| Some(drawn.id.as_ref()?.to_string())).collect();
+    if all.features.is_empty() {
+        return Ok(());
+    }
+    let ids: BTreeSet<String> = new.features.iter().filter_map(|drawn| Some(drawn.id.as_ref()?.to_string())).collect();
+    let taken: BTreeSet<String> = all.features.iter().filter_map(|drawn| Some(drawn.id.as_ref()?.to_string())).filter(|id| ids.contains(id)).collect();
+    if taken.is_empty() {
+        return Ok(());
+    }
     let problems: Vec<Problem> = new
         .features
         .iter()
@@ -118,7 +125,7 @@ fn refuse_taken(all: &Collection, new: &Collection) -> Result<(), ApiError> {
             detail: format!("feature {id:?}: the world has a feature with this id already"),
         })
         .collect();
-    if problems.is_empty() { Ok(()) } else { Err(invalid(problems)) }
+    Err(invalid(problems))
 }
 
 /// How many features a world has from a place on, and the ids of the first.

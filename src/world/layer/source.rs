@@ -27,6 +27,9 @@ use std::{
     sync::{Arc, LazyLock, Mutex, PoisonError, Weak},
 };
 
+/// Fewer features than these are not worth other threads.
+const FEW: usize = 4096;
+
 /// The source of a layer as users write it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -142,7 +145,8 @@ fn features(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Ch
             WrittenMix::Max => Mix::Max,
             WrittenMix::Sum => Mix::Sum,
         };
-        let layout = Layout::new(features, Options { mix, sea_level: None, defaults }).map_err(|error| checks.add(at, error.to_string())).ok()?;
+        let new = if features.len() < FEW { Layout::new } else { Layout::new_parallel };
+        let layout = new(features, Options { mix, sea_level: None, defaults }).map_err(|error| checks.add(at, error.to_string())).ok()?;
         Some(Ground::Layout { layout: Arc::new(layout), over_base: base == Beneath::World, generated })
     })?;
     let stored = items.iter().enumerate().find_map(|(i, item)| if let Item::Stored(..) = item { Some((i, Arc::clone(item.drawn()?))) } else { None });
