@@ -78,7 +78,9 @@ impl Rivers {
             for (vertex, pair) in line.windows(2).enumerate() {
                 let piece = [pair[0], pair[1]];
                 let meets = |other: &[Point]| !other.iter().any(|end| piece.contains(end)) && crossing(piece, [other[0], other[1]]).is_some();
-                if let Some(other) = (0..=index).find(|&other| drawn[other].windows(2).any(meets)) {
+                // Of two pieces of one river the later is named.
+                let before = |other: usize| if other == index { &line[..=vertex] } else { &drawn[other] };
+                if let Some(other) = (0..=index).find(|&other| before(other).windows(2).any(meets)) {
                     return wrong(index, format!("crosses drawn[{other}] between vertices {vertex} and {} other than at a vertex of both", vertex + 1));
                 }
                 if area.edges().around(piece, 0.0).into_iter().any(|edge| meets(&area.edges().segments()[edge])) {
