@@ -13,7 +13,7 @@ const WAITING: usize = 16;
 /// Reads a body of features; it is never whole in memory.
 pub(super) async fn read(app: &App, body: Body) -> Result<Collection, ApiError> {
     let (sender, receiver) = mpsc::channel(WAITING);
-    let reading = tokio::task::spawn_blocking(move || Collection::read(Pieces { receiver, piece: Bytes::new() }));
+    let reading = tokio::task::spawn_blocking(move || Collection::read(Pieces { receiver, piece: Bytes::new(), ended: false }));
     let (limit, mut length, mut stream) = (app.0.feature_bytes, 0, body.into_data_stream());
     while let Some(piece) = stream.next().await {
         let piece = piece.map_err(|error| ApiError::BadRequest(format!("The body could not be read: {error}."), Vec::new()))?;
@@ -40,14 +40,16 @@ pub(super) async fn read(app: &App, body: Body) -> Result<Collection, ApiError> 
 struct Pieces {
     receiver: mpsc::Receiver<Option<Bytes>>,
     piece: Bytes,
+    /// Once the end was read it stays the end, however often it is asked for.
+    ended: bool,
 }
 
 impl Read for Pieces {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        while self.piece.is_empty() {
+        while self.piece.is_empty() && !self.ended {
             match self.receiver.blocking_recv() {
                 Some(Some(piece)) => self.piece = piece,
-                Some(None) => return Ok(0),
+                Some(None) => self.ended = true,
                 None => return Err(io::Error::from(io::ErrorKind::UnexpectedEof)),
             }
         }
