@@ -155,10 +155,10 @@ const LINKS_NS: f64 = 25.0;
 const WARPED: f64 = 2.0;
 
 /// What the links of each coarser lattice cost at a node of a finer one: few samples there share a corner.
-const SCATTERED_NS: f64 = 70.0;
+const SCATTERED_NS: f64 = 105.0;
 
 /// What finding a node's link costs, for every cell that it may span.
-const NODE_NS: f64 = 60.0;
+const NODE_NS: f64 = 75.0;
 
 /// What putting together what is around a corner costs, and for every cell that links may span.
 const CORNER_NS: f64 = 200.0;
