@@ -9,6 +9,8 @@ pub(super) const SIDE: usize = 32;
 pub(super) const POINTS: usize = SIDE * SIDE;
 /// Points of its least part: eight columns of four rows.
 pub(super) const LEAST: usize = 32;
+/// Columns of its least part.
+pub(super) const RUN: usize = 8;
 
 /// One number a point.
 #[derive(Clone, Debug)]
@@ -58,10 +60,12 @@ impl Block {
         let ys: [f64; SIDE] = core::array::from_fn(|i| window.rows.coordinate(at(i, 0)));
         let xs: [f64; SIDE] = core::array::from_fn(|i| window.columns.coordinate(at(i, 1)));
         let (flat_xs, flat_ys) = (xs.map(|x| frame.relative(0, x)), ys.map(|y| frame.relative(1, y)));
-        for i in 0..POINTS {
+        for i in (0..POINTS).step_by(RUN) {
             let [row, column] = place(i);
-            (self.xs.0[i], self.ys.0[i]) = (xs[column], ys[row]);
-            (self.flat[0].0[i], self.flat[1].0[i]) = (flat_xs[column], flat_ys[row]);
+            self.xs.0[i..i + RUN].copy_from_slice(&xs[column..column + RUN]);
+            self.ys.0[i..i + RUN].fill(ys[row]);
+            self.flat[0].0[i..i + RUN].copy_from_slice(&flat_xs[column..column + RUN]);
+            self.flat[1].0[i..i + RUN].fill(flat_ys[row]);
         }
     }
 
@@ -73,12 +77,32 @@ impl Block {
         Rectangle { min: [x0.min(x1), y0.min(y1)], max: [x0.max(x1), y0.max(y1)] }
     }
 
-    /// Where each point of the block stands in the window, row by row; points that repeat others are left out.
-    pub(super) fn places(&self, columns: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
-        (0..POINTS).filter_map(move |i| {
-            let [row, column] = place(i);
+    /// Where the points of the block stand in the window; points that repeat others are left out.
+    pub(super) fn runs(&self, columns: usize) -> impl Iterator<Item = Run> + '_ {
+        (0..POINTS).step_by(RUN).filter_map(move |first| {
+            let [row, column] = place(first);
             let inside = row < self.size[0] && column < self.size[1];
-            inside.then(|| (i, (self.first[0] + row) * columns + self.first[1] + column))
+            inside.then(|| Run { first, place: (self.first[0] + row) * columns + self.first[1] + column, count: RUN.min(self.size[1] - column) })
         })
+    }
+}
+
+/// Points of a block that stand side by side in a row of the window.
+pub(super) struct Run {
+    /// The first point.
+    pub first: usize,
+    /// Its place among the samples of the window, row by row.
+    pub place: usize,
+    /// How many there are, at most [`RUN`].
+    pub count: usize,
+}
+
+impl Run {
+    /// Writes values, rounded, to their places.
+    #[inline(always)]
+    pub(super) fn write(&self, values: &Values, out: &mut [f32]) {
+        let Self { first, place, count } = *self;
+        let out = &mut out[place..place + count];
+        out.iter_mut().zip(&values.0[first..first + count]).for_each(|(out, &value)| *out = value as f32);
     }
 }

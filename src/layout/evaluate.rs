@@ -1,10 +1,12 @@
 //! Layouts over windows: block by block, one search of the tree a block.
 
+mod write;
+
 use super::{
-    Field, FieldKind, FieldSurface, Layout, LayoutSurface, Role, Selection, Side, TerrainValue, Value,
+    Field, Layout, LayoutSurface, Role, Selection, Side, TerrainValue, Value,
     block::{Block, POINTS, SIDE, Values},
     distance::Distances,
-    kernels::{Add, Input, Merge, Sums},
+    kernels::{Add, Input, Sums},
     path::Frame,
     reference::{Stage, stage},
     term::{Cover, Curve, Term, above_zero, lines},
@@ -269,76 +271,6 @@ impl<'a> Evaluation<'a> {
         for (i, height) in terrain.heights.0.iter_mut().enumerate() {
             let [row, column] = super::block::place(i);
             *height = out[row.min(rows - 1) * columns + column.min(columns - 1)].into();
-        }
-    }
-
-    /// Merges the sums and writes the block into a surface.
-    fn write(&mut self, columns: usize, base: Option<&[f32]>, surface: &mut LayoutSurface) {
-        let [elevation, depth] = ["elevation", "water_depth"].map(|name| self.layout.field(name));
-        let mut ground = Values::new(0.0);
-        if let Some(base) = base {
-            for (i, place) in self.block.places(columns) {
-                ground.0[i] = base[place].into();
-            }
-        }
-        self.merge(elevation, 0, base.is_some(), &mut ground);
-        let mut water = Values::new(0.0);
-        self.merge(depth, 0, true, &mut water);
-        for (i, place) in self.block.places(columns) {
-            let depth = above_zero(water.0[i]);
-            let height = ground.0[i] - depth;
-            let sea = self.layout.options.sea_level.map_or(0.0, |level| level - height);
-            surface.elevation[place] = height as f32;
-            surface.water_depth[place] = (if sea > depth { sea } else { depth }) as f32;
-            if let Some(cover) = surface.water_cover.get_mut(place) {
-                *cover = self.cover.0[i] as f32;
-            }
-        }
-        for (out, &field) in surface.fields.iter_mut().zip(&self.selection.fields) {
-            match (out, &self.layout.fields[field].kind) {
-                (FieldSurface::Numbers(out), FieldKind::Numbers(components)) => self.write_numbers(field, *components, columns, out),
-                (FieldSurface::Names { heaviest, fractions }, FieldKind::Names(names)) => self.write_names(field, names.len(), columns, heaviest, fractions),
-                _ => {}
-            }
-        }
-    }
-
-    /// Merges one component over what is below.
-    fn merge(&self, field: usize, component: usize, below: bool, values: &mut Values) {
-        let stages = self.sums.range((field, Stage::Level(0))..(field + 1, Stage::Level(0)));
-        let stages: Vec<(bool, &Sums)> = stages.map(|(&(_, stage), sums)| (matches!(stage, Stage::Level(1..)), sums)).collect();
-        self.isa.run(Merge { stages: &stages, component, mix: self.layout.options.mix, below, values });
-    }
-
-    fn write_numbers(&self, field: usize, components: usize, columns: usize, out: &mut [f32]) {
-        let defaults = self.layout.options.defaults.get(&*self.layout.fields[field].name);
-        for k in 0..components {
-            let mut values = Values::new(defaults.map_or(0.0, |values| values[k]));
-            self.merge(field, k, defaults.is_some(), &mut values);
-            for (i, place) in self.block.places(columns) {
-                out[place * components + k] = values.0[i] as f32;
-            }
-        }
-    }
-
-    fn write_names(&self, field: usize, count: usize, columns: usize, heaviest: &mut [u16], fractions: &mut [f32]) {
-        let stages = self.sums.range((field, Stage::Level(0))..(field + 1, Stage::Level(0)));
-        let names: Vec<(usize, &Values)> =
-            stages.filter_map(|(&(_, stage), sums)| if let Stage::Name(name) = stage { Some((name, &*sums.weight)) } else { None }).collect();
-        for (i, place) in self.block.places(columns) {
-            let (mut most, mut total) = (0.0, 0.0);
-            for &(name, weights) in &names {
-                let weight = weights.0[i];
-                total += weight;
-                if weight > most {
-                    (most, heaviest[place]) = (weight, name as u16 + 1);
-                }
-            }
-            if total > 0.0 && !fractions.is_empty() {
-                for &(name, weights) in &names {
-                    fractions[place * count + name] = (weights.0[i] / total) as f32;
-                }
-            }
         }
     }
 }

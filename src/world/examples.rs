@@ -10,10 +10,11 @@ pub struct Example {
 }
 
 /// Every example world.
-pub const EXAMPLES: [Example; 9] = [
+pub const EXAMPLES: [Example; 10] = [
     Example { name: "alps", json: include_str!("../../data/worlds/alps.json") },
     Example { name: "archipelago", json: include_str!("../../data/worlds/archipelago.json") },
     Example { name: "archipelago-endless", json: include_str!("../../data/worlds/archipelago-endless.json") },
+    Example { name: "cordillera", json: include_str!("../../data/worlds/cordillera.json") },
     Example { name: "dunes", json: include_str!("../../data/worlds/dunes.json") },
     Example { name: "eq2", json: include_str!("../../data/worlds/eq2.json") },
     Example { name: "hills", json: include_str!("../../data/worlds/hills.json") },

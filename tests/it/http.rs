@@ -11,7 +11,10 @@ async fn a_new_server_has_the_example_worlds_with_their_tilesets() {
     let catalog = client.get("/catalog").await.json();
     let worlds = catalog["worlds"].as_array().unwrap();
     let names: Vec<_> = worlds.iter().map(|world| world["name"].as_str().unwrap()).collect();
-    assert_eq!(names, ["alps", "archipelago", "archipelago-endless", "dunes", "eq2", "hills", "mesas", "ridges-and-rivers", "ridges-rivers-and-lakes"]);
+    assert_eq!(
+        names,
+        ["alps", "archipelago", "archipelago-endless", "cordillera", "dunes", "eq2", "hills", "mesas", "ridges-and-rivers", "ridges-rivers-and-lakes"]
+    );
     assert_eq!(worlds[0]["title"], "Alps");
     assert_eq!(worlds[0]["tilesets"][0], json!({"grid": "web", "tileset": "terrarium", "tilejson": "http://localhost:8080/worlds/alps/web/terrarium"}));
     assert_eq!(worlds[0]["tilesets"].as_array().unwrap().len(), 20);
