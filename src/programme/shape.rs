@@ -191,7 +191,9 @@ fn step(t: f64, softness: f64, spacing: f64) -> f64 {
         }
         (true, true) => {
             let area = |t: f64| smoothstep_area(t / softness + 0.5);
-            (area(t + spacing / 2.0) - area(t - spacing / 2.0)) * (softness / spacing)
+            // Nothing changes farther from the edge, where the difference of large areas would be a little more than 1.
+            let t = t.clamp(-0.5 * (softness + spacing), 0.5 * (softness + spacing));
+            ((area(t + spacing / 2.0) - area(t - spacing / 2.0)) * (softness / spacing)).clamp(0.0, 1.0)
         }
     }
 }
@@ -290,6 +292,8 @@ mod tests {
                 assert!((mean(spacing) - exact).abs() < 0.01, "{shape:?} at {spacing}: {} is not {exact}", mean(spacing));
             }
         }
+        let far = Shape::Step { direction: Direction::named("e"), softness: 3.0, repeat: 0.0 }.filtered(0.07);
+        assert_eq!([-519_000.1, -1.6, 0.0, 1.6, 519_000.1].map(|u| far.at(u, 0.0)), [0.0, 0.0, 0.5, 1.0, 1.0]);
         let edge = Shape::Step { direction: Direction::named("e"), softness: 0.0, repeat: 0.0 }.filtered(2.0);
         assert_eq!([-1.0, 0.0, 0.5, 1.0].map(|u| edge.at(u, 0.0)), [0.0, 0.5, 0.75, 1.0]);
     }

@@ -111,14 +111,14 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// The feature; what is wrong is added to the problems, with pointers below the feature.
-    pub(super) fn drawn(self, shared: &mut Shared, problems: &mut Problems) -> Option<Drawn> {
+    /// The feature, taken out; what is wrong is added to the problems, with pointers below the feature.
+    pub(super) fn drawn(&mut self, shared: &mut Shared, problems: &mut Problems) -> Option<Drawn> {
         if self.kind.as_ref().is_none_or(|kind| kind != "Feature") {
             problems.add("/type", "must be \"Feature\"");
         }
-        let id = self.id.filter(|id| !id.is_null()).and_then(|id| read_id(&id, problems));
-        let properties = properties::read(self.properties.unwrap_or_default(), shared, problems);
-        let Some(geometry) = self.geometry else {
+        let id = self.id.as_ref().filter(|id| !id.is_null()).and_then(|id| read_id(id, problems));
+        let properties = properties::read(self.properties.take().unwrap_or_default(), shared, problems);
+        let Some(geometry) = self.geometry.take() else {
             problems.add("/geometry", "is missing: a Point, LineString or Polygon");
             return None;
         };

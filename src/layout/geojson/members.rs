@@ -45,7 +45,7 @@ impl Members {
     /// A number, if it is there.
     pub(super) fn number(&mut self, name: &'static str, problems: &mut Problems) -> Option<f64> {
         let value = self.take(name)?;
-        number(&value, &self.at(name), problems)
+        value.as_f64().or_else(|| number(&value, &self.at(name), problems))
     }
 
     /// A whole number from 0 to `most`, if it is there.

@@ -57,7 +57,7 @@ fn whole(value: &Value) -> Option<i32> {
 pub(super) fn read_attributes(value: Value, pointer: &str, shared: &mut Shared, problems: &mut Problems) -> Option<Attributes> {
     match value {
         Value::String(name) => Some(Attributes::Named(shared.name(&name))),
-        list @ Value::Array(_) => read_set(list, pointer, problems).map(|set| Attributes::Inline(shared.set(set))),
+        list @ Value::Array(_) => shared.list(list, |list| read_set(list, pointer, problems)).map(Attributes::Inline),
         other => {
             problems.add(pointer, format!("must be the name of a set of attributes or a list of attributes, got {}", shown(&other)));
             None

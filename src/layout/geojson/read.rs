@@ -13,7 +13,7 @@ use crate::layout::{AttributeSet, ContentHash};
 use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::Value;
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::{BTreeMap, BTreeSet, VecDeque},
     fmt,
     sync::Arc,
 };
@@ -23,7 +23,12 @@ use std::{
 pub(super) struct Shared {
     names: BTreeSet<Arc<str>>,
     sets: BTreeMap<ContentHash, Arc<AttributeSet>>,
+    /// Lists of attributes that were read last, and their sets.
+    lists: VecDeque<(Value, Arc<AttributeSet>)>,
 }
+
+/// Lists of attributes that are remembered: neighbours mostly have the same few.
+const LISTS: usize = 8;
 
 impl Shared {
     pub(super) fn name(&mut self, name: &str) -> Arc<str> {
@@ -35,8 +40,16 @@ impl Shared {
         name
     }
 
-    pub(super) fn set(&mut self, set: AttributeSet) -> Arc<AttributeSet> {
-        Arc::clone(self.sets.entry(set.hash()).or_insert_with(|| Arc::new(set)))
+    /// The set that a list of attributes stands for, read by `read` unless it is known.
+    pub(super) fn list(&mut self, list: Value, read: impl FnOnce(Value) -> Option<AttributeSet>) -> Option<Arc<AttributeSet>> {
+        if let Some((_, known)) = self.lists.iter().find(|(known, _)| *known == list) {
+            return Some(Arc::clone(known));
+        }
+        let set = read(list.clone())?;
+        let set = Arc::clone(self.sets.entry(set.hash()).or_insert_with(|| Arc::new(set)));
+        self.lists.truncate(LISTS - 1);
+        self.lists.push_front((list, Arc::clone(&set)));
+        Some(set)
     }
 }
 
@@ -95,11 +108,10 @@ impl Reader {
         self.problems.add(pointer, format!("feature number {}: {vertex}{what}", self.count));
     }
 
-    /// Takes in a feature; `first` is the number of its first problem.
-    fn end_feature(&mut self, parts: Parts, first: usize, pointer: &str) {
+    /// Takes in a feature, which may be `alone`; `first` is the number of its first problem.
+    fn end_feature(&mut self, mut parts: Parts, first: usize, alone: bool) {
         let number = self.count;
         self.count += 1;
-        let label = parts.label(number);
         self.vertices += parts.geometry.as_ref().map_or(0, |geometry| geometry.coordinates.positions.len());
         let drawn = parts.drawn(&mut self.shared, &mut self.problems);
         if self.count == MOST_FEATURES + 1 {
@@ -108,7 +120,10 @@ impl Reader {
         if self.vertices > MOST_VERTICES[1] && self.problems.count() == first {
             self.problems.add("", format!("with it there are more than the {} vertices that all features may have", MOST_VERTICES[1]));
         }
-        self.problems.place(first, pointer, &format!("{label}: "));
+        if self.problems.count() > first {
+            let pointer = Self::pointer(self.form, alone, number);
+            self.problems.place(first, &pointer, &format!("{}: ", parts.label(number)));
+        }
         // What cannot be stored any more need not be kept.
         if self.problems.count() == 0 {
             self.features.extend(drawn);
@@ -172,8 +187,7 @@ impl<'de> Visitor<'de> for TopSeed<'_> {
             }
             _ => {
                 reader.form = Some(Form::Features);
-                let pointer = Reader::pointer(reader.form, reader.count == 0, reader.count);
-                reader.end_feature(parts, first, &pointer);
+                reader.end_feature(parts, first, reader.count == 0);
             }
         }
         Ok(())
@@ -260,8 +274,7 @@ impl<'de> Visitor<'de> for FeatureSeed<'_> {
         while let Some(name) = map.next_key::<String>()? {
             feature_member(&mut parts, &name, reader, &mut map)?;
         }
-        let pointer = Reader::pointer(reader.form, false, reader.count);
-        reader.end_feature(parts, first, &pointer);
+        reader.end_feature(parts, first, false);
         Ok(())
     }
 }
