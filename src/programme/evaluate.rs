@@ -206,17 +206,19 @@ impl<'a> Evaluation<'a> {
                 continue;
             }
             row.fill(0.0);
+            // A power of two, taken first so that no sum is too large.
+            let share = 1.0 / (n * n) as f32;
             for (part_row, d) in offsets(n, window.spacing()).enumerate() {
                 self.part_row = part_row;
                 self.row(y + d, &mut fine);
                 for (mean, fine) in row.iter_mut().zip(fine.chunks(n)) {
                     for value in fine {
-                        *mean += value;
+                        *mean += value * share;
                     }
                 }
             }
             for mean in row {
-                *mean *= 1.0 / (n * n) as f32;
+                *mean = mean.clamp(f32::MIN, f32::MAX);
             }
         }
         self.non_finite

@@ -67,13 +67,13 @@ impl Reference {
         if n == 1 {
             return self.sample(x, y, 0);
         }
-        let mut sum = 0.0;
+        let (mut sum, share) = (0.0, 1.0 / (n * n) as f32);
         for (row, dy) in offsets(n, self.spacing).enumerate() {
             for (column, dx) in offsets(n, self.spacing).enumerate() {
-                sum += self.sample(x + dx, y + dy, row * n + column);
+                sum += share * self.sample(x + dx, y + dy, row * n + column);
             }
         }
-        sum * (1.0 / (n * n) as f32)
+        sum.clamp(f32::MIN, f32::MAX)
     }
 
     fn sample(&self, x: f64, y: f64, part: usize) -> f32 {

@@ -141,7 +141,8 @@ impl Tape {
     /// The least and the greatest value that any sample can have, by interval arithmetic over the exact programme; the values of what is filtered lie within it.
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
-        bounds::ranges(&self.graph, &bounds::fields(&self.graph, 0, 0.0))[self.graph.root]
+        let range = bounds::ranges(&self.graph, &bounds::fields(&self.graph, 0, 0.0))[self.graph.root];
+        if self.graph.number(self.graph.root).is_some() { range } else { bounds::averaged(range) }
     }
 
     /// Evaluates a window into `out`, row by row from north to south; answers how many results were not finite and became 0.

@@ -35,6 +35,8 @@ pub struct ServerConfig {
     pub public_url: String,
     /// Seconds that requests under way get to finish after SIGTERM, 0 … 3600.
     pub drain_seconds: u64,
+    /// Connections at a time, 1 … 1000000; others wait.
+    pub connections: usize,
 }
 
 /// What is kept in memory.
@@ -57,12 +59,18 @@ pub struct LimitsConfig {
     pub feature_bytes: usize,
     /// Seconds of predicted evaluation waiting before new tiles are refused with 503, 1 … 3600.
     pub pending_seconds: u64,
+    /// Requests under way at a time, 1 … 1000000; others are refused with 503.
+    pub requests: usize,
+    /// Seconds in which the whole head of a request must be there, also that of the next one on a connection, 1 … 3600.
+    pub head_seconds: u64,
+    /// Seconds in which a peer that is waited for must send or take 512 bytes a second, 1 … 3600.
+    pub stall_seconds: u64,
 }
 
 impl Default for ServerConfig {
     fn default() -> Self {
         let listen = SocketAddr::from(([127, 0, 0, 1], 8080));
-        Self { listen, data: "./data-store".into(), threads: 0, public_url: String::new(), drain_seconds: 10 }
+        Self { listen, data: "./data-store".into(), threads: 0, public_url: String::new(), drain_seconds: 10, connections: 4096 }
     }
 }
 
@@ -74,7 +82,7 @@ impl Default for CacheConfig {
 
 impl Default for LimitsConfig {
     fn default() -> Self {
-        Self { world_bytes: 1_048_576, feature_bytes: 536_870_912, pending_seconds: 20 }
+        Self { world_bytes: 1_048_576, feature_bytes: 536_870_912, pending_seconds: 20, requests: 1024, head_seconds: 20, stall_seconds: 20 }
     }
 }
 
@@ -132,6 +140,10 @@ impl Config {
         range("limits.world_bytes", self.limits.world_bytes as u64, 1, 16_777_216);
         range("limits.feature_bytes", self.limits.feature_bytes as u64, 1, 536_870_912);
         range("limits.pending_seconds", self.limits.pending_seconds, 1, 3600);
+        range("server.connections", self.server.connections as u64, 1, 1_000_000);
+        range("limits.requests", self.limits.requests as u64, 1, 1_000_000);
+        range("limits.head_seconds", self.limits.head_seconds, 1, 3600);
+        range("limits.stall_seconds", self.limits.stall_seconds, 1, 3600);
         let url = &self.server.public_url;
         if !(url.is_empty() || url.parse::<axum::http::Uri>().is_ok_and(|uri| uri.host().is_some() && matches!(uri.scheme_str(), Some("http" | "https")))) {
             problems.push(format!("server.public_url: must be an http or https URL, got {url:?}"));

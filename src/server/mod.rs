@@ -2,6 +2,7 @@
 
 mod compute;
 mod config;
+mod connections;
 mod editing;
 mod embedded;
 mod error;
@@ -10,6 +11,7 @@ mod features;
 mod handler;
 mod headers;
 mod library;
+mod pace;
 mod router;
 mod schema;
 mod search;

@@ -1,14 +1,18 @@
 //! From configuration to a listening server, and to its end.
 
 use super::{
-    config::Config,
+    config::{Config, LimitsConfig},
+    connections::{self, Limits},
     router,
     state::{App, StartError},
 };
-use std::{future::IntoFuture, time::Duration};
-use tokio::{net::TcpListener, signal, sync::oneshot};
+use std::time::Duration;
+use tokio::{net::TcpListener, signal, sync::watch};
 
-/// Serves until SIGINT or SIGTERM, then lets requests under way finish within the drain time.
+/// Open files for anything but connections.
+const OTHER_FILES: usize = 64;
+
+/// Serves until SIGINT or SIGTERM, then lets requests under way finish within the drain time or until it is asked again.
 ///
 /// # Errors
 /// If the store, the threads or the address cannot be used.
@@ -22,29 +26,50 @@ pub async fn serve(config: &Config) -> Result<(), StartError> {
         tracing::info!("other machines reach this address, so worlds can only be read: writes answer 403");
     }
 
-    let (drained, draining) = oneshot::channel();
+    let (stops, mut stopped) = watch::channel(false);
     let stopping = app.clone();
-    let stop = async move {
+    tokio::spawn(async move {
         stop_signal().await;
         stopping.drain();
         tracing::info!("stopping: finishing requests under way");
-        let _ = drained.send(());
-    };
-    let serving = axum::serve(listener, router(app.clone())).with_graceful_shutdown(stop).into_future();
-    let deadline = async {
-        // Without a signal there is no deadline.
-        if draining.await.is_err() {
+        // Those who listen may have ended.
+        let _ = stops.send(true);
+    });
+    let mut stop = stopped.clone();
+    let stop = async move {
+        // An error means that nobody will ever say so.
+        if stop.wait_for(|stop| *stop).await.is_err() {
             std::future::pending::<()>().await;
         }
-        tokio::time::sleep(Duration::from_secs(config.server.drain_seconds)).await;
+    };
+    let late = async {
+        if stopped.wait_for(|stop| *stop).await.is_err() {
+            std::future::pending::<()>().await;
+        }
+        tokio::select! {
+            () = tokio::time::sleep(Duration::from_secs(config.server.drain_seconds)) => tracing::info!("the drain time is over"),
+            () = stop_signal() => tracing::info!("asked again to stop"),
+        }
     };
     tokio::select! {
-        served = serving => served.map_err(StartError::Serve)?,
-        () = deadline => tracing::info!("the drain time is over"),
+        () = connections::serve(listener, router(app.clone()), limits(config), stop) => {}
+        () = late => {}
     }
     app.close().await;
     tracing::info!("stopped");
     Ok(())
+}
+
+/// What connections are held to. Every connection needs an open file.
+fn limits(config: &Config) -> Limits {
+    let wanted = config.server.connections;
+    let files = rlimit::increase_nofile_limit((wanted + OTHER_FILES) as u64).unwrap_or(u64::MAX);
+    let connections = wanted.min(usize::try_from(files).unwrap_or(usize::MAX).saturating_sub(OTHER_FILES)).max(1);
+    if connections < wanted {
+        tracing::warn!("the system allows {files} open files, which is enough for {connections} connections, not for {wanted}");
+    }
+    let LimitsConfig { requests, head_seconds, stall_seconds, .. } = config.limits;
+    Limits { connections, requests, head: Duration::from_secs(head_seconds), stall: Duration::from_secs(stall_seconds) }
 }
 
 async fn stop_signal() {

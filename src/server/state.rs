@@ -57,9 +57,6 @@ pub enum StartError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// Accepting connections failed.
-    #[error("serving: {0}")]
-    Serve(std::io::Error),
 }
 
 impl App {
