@@ -27,7 +27,9 @@ impl Lattice {
         let at = coordinate * self.frequency;
         // Cells beyond 2^62 cannot be told apart in f64 anyway; the clamp keeps their neighbours' numbers from overflowing.
         let cell = at.floor().clamp(-4.611_686_018_427_388e18, 4.611_686_018_427_388e18);
-        let grains = (at - cell).clamp(0.0, 1.0) + (self.phase[axis] + GRAINS) - GRAINS;
+        // One sum, as in a `Base`: the difference to a small negative cell would be rounded itself, and may come to lie between two grains by that.
+        let grains =
+            if cell.abs() < FAR { at + (self.phase[axis] + GRAINS - cell) } else { (at - cell).clamp(0.0, 1.0) + (self.phase[axis] + GRAINS) } - GRAINS;
         let carried = grains.floor();
         Position { cell: whole(cell + carried), fraction: grains - carried }
     }
@@ -38,6 +40,9 @@ const GRAIN: f64 = 1.0 / 16_777_216.0;
 
 /// At 3 · 2^27 the spacing of f64 is a [`GRAIN`]: what is added to it stands in the low word, cells above 24 bits of grains.
 const GRAINS: f64 = 402_653_184.0;
+
+/// Up to here the difference of a phase and a cell is exact, as phases are multiples of 2^-16; from here on that of a position and its cell is.
+const FAR: f64 = 68_719_476_736.0;
 
 /// The high word of [`GRAINS`]; its low word is zero.
 const GRAINS_HIGH: u32 = 0x41b8_0000;
@@ -68,8 +73,7 @@ impl Lattice {
     pub(super) fn base(&self, axis: usize, least: f64, greatest: f64) -> Base {
         let cell = self.locate(axis, least).cell;
         let (from, to) = (cell as f64, self.phase[axis] + GRAINS);
-        // Phases are multiples of 2^-16, as all coordinates are beyond 2^36 cells: there the difference to the base is exact, nearer that of the shifts.
-        let shifts = if cell.unsigned_abs() < 1 << 36 { [0.0, to - from] } else { [from, to] };
+        let shifts = if from.abs() < FAR { [0.0, to - from] } else { [from, to] };
         let last = (greatest * self.frequency - shifts[0] + shifts[1]).to_bits() - GRAINS.to_bits();
         Base { cell, reach: (last >> 24) as u32, frequency: self.frequency, shifts }
     }
@@ -405,6 +409,18 @@ mod tests {
         for i in 0..100_000 {
             let cell = (f64::from(i) * 1.234_567e11 * f64::from(i % 1_000) - 4e18).floor();
             assert_eq!(whole(cell), cell as i64, "{cell}");
+        }
+    }
+
+    /// Just above the middle of two grains, where the difference to the cell would be rounded into the middle and then to an even grain.
+    #[test]
+    fn positions_are_rounded_once() {
+        let lattice = Lattice { frequency: 1.0, phase: [0.0; 2], seed: 1 };
+        for k in 1..1000 {
+            let coordinate = -(f64::from(k) + 0.5) * GRAIN + 1.0 / (1_u64 << 54) as f64;
+            let Position { cell, fraction } = lattice.locate(0, coordinate);
+            assert_eq!((cell, fraction), (-1, 1.0 - f64::from(k) * GRAIN), "{coordinate}");
+            assert_eq!(lattice.base(0, coordinate, coordinate).near().map(|near| near.word(coordinate) & 0x00ff_ffff), Some((1 << 24) - k as u32));
         }
     }
 

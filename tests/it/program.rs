@@ -1,87 +1,8 @@
 //! The real program: it starts, serves, survives being killed, and its log is clean.
 
+use crate::process::{Server, TERRANE, run, text};
 use serde_json::Value;
-use std::{
-    io::{BufRead, BufReader, Read, Write},
-    net::TcpStream,
-    path::Path,
-    process::{Child, Command, Output, Stdio},
-    sync::{Arc, Mutex},
-    thread::JoinHandle,
-    time::Duration,
-};
-
-const TERRANE: &str = env!("CARGO_BIN_EXE_terrane");
-
-/// A running server on a free port.
-struct Server {
-    child: Child,
-    address: String,
-    log: Arc<Mutex<Vec<String>>>,
-    reader: Option<JoinHandle<()>>,
-}
-
-impl Server {
-    fn start(data: &Path) -> Self {
-        let mut child = Command::new(TERRANE).args(["serve", "--listen", "127.0.0.1:0", "--data"]).arg(data).stderr(Stdio::piped()).spawn().unwrap();
-        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
-        let log = Arc::new(Mutex::new(Vec::new()));
-        let address = loop {
-            let line = lines.next().expect("the server ended before it listened").unwrap();
-            log.lock().unwrap().push(line.clone());
-            if let Some((_, address)) = line.split_once("listening on http://") {
-                break address.to_owned();
-            }
-        };
-        let rest = Arc::clone(&log);
-        let reader = std::thread::spawn(move || lines.map_while(Result::ok).for_each(|line| rest.lock().unwrap().push(line)));
-        Self { child, address, log, reader: Some(reader) }
-    }
-
-    /// Status and body of a request on a connection of its own.
-    fn request(&self, method: &str, path: &str, body: &str) -> std::io::Result<(u16, Vec<u8>)> {
-        let mut stream = TcpStream::connect(&self.address)?;
-        stream.set_read_timeout(Some(Duration::from_secs(20)))?;
-        write!(stream, "{method} {path} HTTP/1.1\r\nHost: {}\r\nConnection: close\r\nContent-Length: {}\r\n\r\n{body}", self.address, body.len())?;
-        let mut answer = Vec::new();
-        stream.read_to_end(&mut answer)?;
-        let end = answer.windows(4).position(|window| window == b"\r\n\r\n").ok_or(std::io::ErrorKind::UnexpectedEof)?;
-        let status = std::str::from_utf8(&answer[9..12]).ok().and_then(|status| status.parse().ok()).ok_or(std::io::ErrorKind::InvalidData)?;
-        Ok((status, answer.split_off(end + 4)))
-    }
-
-    fn get(&self, path: &str) -> Vec<u8> {
-        let (status, body) = self.request("GET", path, "").unwrap();
-        assert_eq!(status, 200, "{path}: {}", String::from_utf8_lossy(&body));
-        body
-    }
-
-    /// SIGTERM; the exit code and the log.
-    #[cfg(unix)]
-    fn stop(mut self) -> (Option<i32>, Vec<String>) {
-        let asked = Command::new("kill").arg(self.child.id().to_string()).status().unwrap();
-        assert!(asked.success());
-        let code = self.child.wait().unwrap().code();
-        self.reader.take().unwrap().join().unwrap();
-        let log = self.log.lock().unwrap().clone();
-        (code, log)
-    }
-}
-
-impl Drop for Server {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
-fn run(arguments: &[&str], folder: &Path) -> Output {
-    Command::new(TERRANE).env_clear().args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
+use std::{process::Command, time::Duration};
 
 #[cfg(unix)]
 #[test]
