@@ -44,7 +44,10 @@ impl Builder {
                 let moved = self.place_derivative(place, known);
                 self.chain(moved, |axis| Step::NoiseSlope(noise, axis, place))
             }
-            Step::Unary(operation, a) => of(a).map(|da| self.unary_derivative(operation, id, a, da)),
+            Step::Unary(operation, a) => {
+                let a = self.seen(operation, a);
+                of(a).map(|da| self.unary_derivative(operation, id, a, da))
+            }
             Step::Binary(operation, a, b) => self.binary_derivative(operation, id, [a, b], [of(a), of(b)]),
             Step::Select(mask, a, b) => {
                 let (da, db) = (of(a), of(b));
@@ -55,6 +58,14 @@ impl Builder {
                 self.binary(Binary::Multiply, slope, da)
             }),
             _ => Some(self.difference(id, known.axis)),
+        }
+    }
+
+    /// What a function of |a| alone is a function of: where it is 0, its sides must be told apart as they are after simplification.
+    fn seen(&self, operation: Unary, a: Id) -> Id {
+        match (operation, self.graph.steps[a]) {
+            (Unary::Abs | Unary::Sqrt | Unary::Log, Step::Unary(Unary::Negative | Unary::Abs, inner)) => self.seen(operation, inner),
+            _ => a,
         }
     }
 

@@ -125,6 +125,9 @@ fn what_looks_at_other_places() {
         "gradient_x(gradient_y(o_perlin))",
         "gradient_x(smooth(terrace(mod(plus(abs(o_perlin), max(x, y)), 0.7), 3, 0.5), 0.1))",
         "slope(min(sqrt(gauss(2)), select(x, tan(x), atan(log(y)))))",
+        // Where what is taken as |a| is 0.
+        "gradient_x(plus(sqrt(abs(step)), log(negative(abs(negative(step))))))",
+        "gradient_x(sqrt(negative(multiply(cell_noise, step))))",
     ] {
         check(text);
     }
