@@ -138,11 +138,16 @@ impl Tiles {
         Self { shared: Arc::new(shared), compute, pending_limit_ns }
     }
 
+    /// The tile of a fingerprint, if it is at hand.
+    pub(super) fn cached(&self, fingerprint: &Fingerprint) -> Option<Bytes> {
+        self.shared.cache.get(fingerprint)
+    }
+
     /// The tile of a fingerprint: cached, under way, or made now at a predicted cost.
     ///
     /// The evaluation is a task of its own, so a caller that goes away takes nothing from others that wait. When all have gone before it begins, it is left out.
     pub(super) async fn get(&self, fingerprint: Fingerprint, cost_ns: f64, make: impl FnOnce() -> Result<Vec<u8>, TileError> + Send + 'static) -> Outcome {
-        if let Some(bytes) = self.shared.cache.get(&fingerprint) {
+        if let Some(bytes) = self.cached(&fingerprint) {
             return Ok(bytes);
         }
         let waiting = self.start(fingerprint, cost_ns, make)?;
