@@ -201,7 +201,7 @@ mod tests {
         check(
             "[server]\nlistn = 1",
             &[],
-            "configuration:\n  server.listn: unknown field `listn`, expected one of `listen`, `data`, `threads`, `public_url`, `drain_seconds`",
+            "configuration:\n  server.listn: unknown field `listn`, expected one of `listen`, `data`, `threads`, `public_url`, `drain_seconds`, `connections`",
         );
         check(
             "[server]\nthreads = 5000\npublic_url = \"ftp://x\"\n[limits]\nworld_bytes = 0",

@@ -2,7 +2,7 @@
 
 use super::{
     error::{GenerateError, check},
-    plane::{Area, Near, Point, along, crossing, distance, minus, segment_distance},
+    plane::{Area, Near, Point, along, crossing, distance, dot, minus, segment_distance, unit},
     random::Stream,
     read::{Water, flat, lines, rings},
     style::Style,
@@ -37,6 +37,8 @@ impl Default for Ridges {
 const MOST_PLACES: usize = 2_000_000;
 /// How far a ridge may leave the edges of the diagram when it is simplified, in steps.
 const SIMPLIFY: f64 = 0.12;
+/// The cosine of the greatest angle between two edges of one ridge.
+const STRAIGHT: f64 = core::f64::consts::FRAC_1_SQRT_2;
 /// Two places count as two sides of a ridge when they are this far apart, as a multiple of their distance from it: 60 degrees as seen from the ridge.
 const APART: f64 = 1.0;
 
@@ -78,7 +80,7 @@ impl Ridges {
         let mut all = lines(land);
         all.extend(lines(waters));
         let crests = self.between(&all, &area(land), &area(waters), seed)?;
-        crests.iter().map(|crest| style.feature(crest, false, &style.attributes, style.detail)).collect()
+        crests.iter().flat_map(|crest| arms(crest)).map(|arm| style.feature(arm, false, &style.attributes, style.detail)).collect()
     }
 
     /// Ridges as lines on the land, outside the ponds; the elevations are the crest's.
@@ -262,6 +264,23 @@ impl Graph {
         }
         lines
     }
+}
+
+/// Cuts a crest wherever it turns by more than 45 degrees. Between the arms of one ridge the height would jump from that of one arm to that of the other; those of two
+/// are merged.
+fn arms(crest: &[[f64; 3]]) -> Vec<&[[f64; 3]]> {
+    let (mut arms, mut first, mut directions) = (Vec::new(), 0, Vec::new());
+    for (k, pair) in crest.windows(2).enumerate() {
+        let direction = unit(minus([pair[1][0], pair[1][1]], [pair[0][0], pair[0][1]]));
+        if directions.iter().any(|&other| dot(other, direction) < STRAIGHT) {
+            arms.push(&crest[first..=k]);
+            first = k;
+            directions.clear();
+        }
+        directions.push(direction);
+    }
+    arms.push(&crest[first..]);
+    arms
 }
 
 /// Leaves out vertices that lie nearer than `tolerance` to the line without them (D. Douglas and T. Peucker 1973), heights included.
