@@ -7,10 +7,12 @@ mod hillshade;
 mod lines;
 mod materials;
 mod mvt;
-mod png;
+mod options;
 mod preview;
+mod raster;
 mod relief;
 mod rgb;
+mod steps;
 mod tileset;
 mod water;
 
@@ -18,8 +20,10 @@ pub use contours::contour_interval;
 pub use geotiff::write_geotiff;
 pub use lines::render_features;
 pub use materials::material_colour;
+pub use options::{ByteOrder, Image, Options, RowOrder};
 pub use preview::{PREVIEW_FORM, preview};
 pub use relief::Ramp;
+pub use steps::Steps;
 pub use tileset::{EncodeError, Tileset, VectorLayer};
 
 use crate::geometry::{Filter, Grid, GridError, Legend, Samples, Source, Surface, Tile, Wanted, Window};
@@ -49,6 +53,8 @@ pub struct TileRequest {
     pub tileset: Tileset,
     /// Which height is drawn; other tilesets than those of heights know only the ground.
     pub height: Height,
+    /// What clients choose of its bytes.
+    pub options: Options,
 }
 
 impl TileRequest {
@@ -74,7 +80,7 @@ impl TileRequest {
             form.push_str("\nmaterials");
             legend.materials.iter().for_each(|name| form.extend([" ", &format!("{name:?}")]));
         }
-        form
+        form + &self.options.form()
     }
 }
 
@@ -106,5 +112,5 @@ pub fn render(source: &impl Source, request: &TileRequest) -> Result<Vec<u8>, Ti
         }
         return Ok(contours::draw(&surface, contour_interval(request.grid, request.tile.z)));
     }
-    Ok(request.tileset.encode_height(surface, window.spacing(), &source.legend(), request.height)?)
+    Ok(request.tileset.encode_height(surface, window.spacing(), &source.legend(), request.height, request.options)?)
 }

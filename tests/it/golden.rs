@@ -6,7 +6,7 @@ use sha2::{Digest, Sha256};
 use std::{fmt::Write, path::Path};
 use terrane::{
     geometry::{Filter, Grid, Samples, Tile},
-    tile::{Height, PREVIEW_FORM, TileRequest, Tileset, preview, render},
+    tile::{Height, Options, PREVIEW_FORM, TileRequest, Tileset, preview, render},
     world::{Document, EXAMPLES, PRESETS, Preset, Survey, World},
 };
 
@@ -29,7 +29,9 @@ fn lines() -> String {
         for (grid, tile, samples, filter) in places {
             // Tiles at the end of the plane: as far as the zoom level goes.
             let tile = if grid == Grid::Metric && tile.z == 24 { Tile { x: 500_000_000_000, y: -500_000_000_000, ..tile } } else { tile };
-            let bytes = render(&world, &TileRequest { grid, tile, samples, filter, tileset: Tileset::R32, height: Height::Ground }).unwrap();
+            let bytes =
+                render(&world, &TileRequest { grid, tile, samples, filter, tileset: Tileset::R32, height: Height::Ground, options: Options::default() })
+                    .unwrap();
             let elevations: Vec<f32> = bytes.chunks_exact(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect();
             let (min, max) = elevations.iter().fold((f32::MAX, f32::MIN), |(min, max), &e| (min.min(e), max.max(e)));
             writeln!(lines, "{} {} {}/{}/{} {samples:?} {}: {} {min} {max}", example.name, grid.name(), tile.z, tile.x, tile.y, filter.name(), digest(&bytes))
@@ -37,7 +39,7 @@ fn lines() -> String {
         }
         for tileset in [Tileset::Terrarium, Tileset::TerrainRgb, Tileset::Hillshade] {
             let (grid, tile, samples, filter) = places[0];
-            let bytes = render(&world, &TileRequest { grid, tile, samples, filter, tileset, height: Height::Ground }).unwrap();
+            let bytes = render(&world, &TileRequest { grid, tile, samples, filter, tileset, height: Height::Ground, options: Options::default() }).unwrap();
             writeln!(lines, "{} {}: {}", example.name, tileset.form(), digest(&bytes)).unwrap();
         }
     }
@@ -91,6 +93,7 @@ fn the_alps_look_as_they_did() {
         filter: Filter::Band,
         tileset: Tileset::R32,
         height: Height::Ground,
+        options: Options::default(),
     };
     let bytes = render(&world, &request).unwrap();
     let elevations: Vec<f32> = bytes.chunks_exact(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect();

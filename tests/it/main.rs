@@ -7,6 +7,7 @@ mod costs;
 mod determinism;
 mod encoding;
 mod features;
+mod formats;
 mod golden;
 mod grow;
 mod http;

@@ -1,22 +1,25 @@
 //! Tiles and what describes them.
 
 use crate::{
-    geometry::{Filter, Grid, Source, to_lon_lat},
+    geometry::{DEGREE, Filter, Grid, GridError, Source, to_lon_lat},
     server::{
+        address::{TilePath, TilesetPath, packing, paged},
         error::ApiError,
-        extract::{Known, PublicUrl, TilePath, TilesetPath, WorldAt, paged},
+        extract::{Known, PublicUrl, WorldAt},
         headers::{Freshness, is_fresh, json, not_modified, tagged},
-        schema::{MaterialSchema, ProblemDetails, TileJson, VectorLayerSchema},
+        schema::ProblemDetails,
         shelf::Shelved,
+        sidecar::{SidecarSchema, sidecar},
         state::App,
         style,
+        tilejson::{Factors, MaterialSchema, TileJson, VectorLayerSchema},
         worlds::Live,
     },
     tile,
 };
 use axum::{
     extract::State,
-    http::{HeaderMap, header},
+    http::{HeaderMap, Uri, header},
     response::Response,
 };
 use serde::Deserialize;
@@ -24,16 +27,6 @@ use utoipa::IntoParams;
 
 /// Zoom levels that `TileJSON` announces.
 const MAX_ANNOUNCED_ZOOM: u8 = 24;
-
-/// Whether URLs carry the revision.
-#[derive(Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub(crate) struct LiveQuery {
-    /// Present, with any value or none: plain URLs whose tiles change with the world, for editing.
-    #[param(value_type = Option<String>, allow_reserved = false)]
-    live: Option<String>,
-}
 
 /// Which tiles are described.
 #[derive(Deserialize, IntoParams)]
@@ -46,21 +39,25 @@ pub(crate) struct TilesetQuery {
     /// Of `weights`, 0 (default) … 63: the page of materials.
     #[param(value_type = Option<u8>)]
     page: Option<String>,
+    /// `png` (default) or `webp`: how the tiles of the template are packed, without loss; `height16`, raw and vector tiles are no WebP.
+    format: Option<String>,
 }
 
 /// A tile.
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}/{z}/{x}/{y}", tag = "tiles", params(
     ("world" = String, Path, description = "`name`, or `name@revision` for a tile that never changes"),
-    ("grid" = String, Path, description = "`web` or `metric`"),
-    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32`, `hillshade`, `water`, `materials`, `weights`, `relief`, `contours` or `features`"),
+    ("grid" = String, Path, description = "`web`, `geo` or `metric`"),
+    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `water`, `materials`, `weights`, `relief`, `contours` or `features`"),
     ("z" = u8, Path, description = "Zoom level, 0 … 30"),
     ("x" = i64, Path, description = "Column, to the east; may be negative or beyond 2^z"),
-    ("y" = String, Path, description = "Row, to the south, samples and extension: `5.png` (256 pixels), `5@2x.png` (512), `5@257.bin` (257 × 257 vertices with both edges; 2 … 1025), `5.mvt`"),
-    ("surface" = Option<String>, Query, description = "`ground` (default) or `water`: the height that `terrarium`, `terrain-rgb`, `r32` and `hillshade` draw; `water` is the water's surface where there is water"),
+    ("y" = String, Path, description = "Row, to the south, samples and extension: `5.png` or `5.webp` (256 pixels), `5@2x.png` (512), `5@257.bin` (257 × 257 vertices with both edges; 2 … 1025), `5@257.json` (what the samples of `height16`, `r16` and `r32` mean), `5.mvt`"),
+    ("surface" = Option<String>, Query, description = "`ground` (default) or `water`: the height that `terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32` and `hillshade` draw; `water` is the water's surface where there is water"),
     ("page" = Option<u8>, Query, description = "Of `weights`, 0 (default) … 63: page n has the materials of numbers 4 n to 4 n + 3 as red, green, blue and alpha"),
+    ("order" = Option<String>, Query, description = "Of `r16` and `r32`: `le` (default) or `be`, the byte that comes first"),
+    ("rows" = Option<String>, Query, description = "Of `height16`, `r16` and `r32`: `north` (default) or `south`, the row that comes first"),
     ("filter" = Option<String>, Query, description = "`band` (default) leaves out what the spacing cannot carry, `exact` samples the function as it is"),
 ), responses(
-    (status = 200, description = "The tile", content((Vec<u8> = "image/png"), (Vec<u8> = "application/octet-stream"), (Vec<u8> = "application/vnd.mapbox-vector-tile")), headers(("ETag" = String, description = "The tile's fingerprint"))),
+    (status = 200, description = "The tile", content((Vec<u8> = "image/png"), (Vec<u8> = "image/webp"), (Vec<u8> = "application/octet-stream"), (Vec<u8> = "application/vnd.mapbox-vector-tile"), (SidecarSchema = "application/json")), headers(("ETag" = String, description = "The tile's fingerprint"))),
     (status = 304, description = "The tile is what If-None-Match names; nothing was evaluated"),
     (status = 400, description = "A part of the address is no number, the query is wrong, or exact samples so far apart would take longer than 10 s", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 404, description = "No such world, grid, tileset, extension or tile", body = ProblemDetails, content_type = "application/problem+json"),
@@ -69,10 +66,16 @@ pub(crate) struct TilesetQuery {
 pub(crate) async fn get_tile(
     State(app): State<App>,
     WorldAt { live, pinned }: WorldAt,
-    TilePath(request): TilePath,
+    TilePath { request, is_sidecar }: TilePath,
+    uri: Uri,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
-    let window = request.window().map_err(|error| ApiError::absent("tile", error.to_string()))?;
+    let absent = |error: GridError| ApiError::absent("tile", error.to_string());
+    if is_sidecar {
+        let stem = uri.path().rsplit('/').next().and_then(|file| file.strip_suffix(".json")).unwrap_or_default();
+        return json(&headers, &sidecar(&request, live.world.legend().range, stem).map_err(absent)?, Freshness::of(pinned));
+    }
+    let window = request.window().map_err(absent)?;
     let (world, form, area) = (&live.world, request.form(&live.world.legend()), window.bounds());
     let is_features = request.tileset == tile::Tileset::Features;
     let form = if is_features { world.features_form(&form, &area) } else { form };
@@ -93,7 +96,7 @@ pub(crate) async fn get_tile(
         .tiles
         .get(fingerprint, cost_ns, move || if is_features { tile::render_features(&live.world, &request) } else { tile::render(&live.world, &request) })
         .await?;
-    Ok(tagged(([(header::CONTENT_TYPE, request.tileset.media_type())], bytes), &tag, freshness))
+    Ok(tagged(([(header::CONTENT_TYPE, request.tileset.media_type(request.options.image))], bytes), &tag, freshness))
 }
 
 /// The greatest predicted time of a tile. Filtered tiles stay far below, by the budget of programmes; exact samples further apart than the valleys of an erosion do
@@ -103,8 +106,8 @@ const MOST_TILE_NS: f64 = 1e10;
 /// What viewers need to know of a tileset.
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}", tag = "tiles", params(
     ("world" = String, Path, description = "`name` or `name@revision`"),
-    ("grid" = String, Path, description = "`web` or `metric`"),
-    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32`, `hillshade`, `water`, `materials`, `weights`, `relief`, `contours` or `features`"),
+    ("grid" = String, Path, description = "`web`, `geo` or `metric`"),
+    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `water`, `materials`, `weights`, `relief`, `contours` or `features`"),
     TilesetQuery,
 ), responses(
     (status = 200, description = "TileJSON 3.0 with `encoding` and `tileSize`", body = TileJson),
@@ -121,7 +124,10 @@ pub(crate) async fn get_tilejson(
 ) -> Result<Response, ApiError> {
     let tileset = paged(tileset, query.page.as_deref())?;
     let (document, is_weights) = (live.world.document(), matches!(tileset, tile::Tileset::Weights(_)));
-    let template = template(&url, &live, grid.name(), tileset, query.live.is_some());
+    let image = packing(tileset, query.format.as_deref())?;
+    let template = template(&url, &live, grid.name(), (tileset, image), query.live.is_some());
+    let (range, steps) = (live.world.legend().range, tileset.steps(live.world.legend().range));
+    let factors = (tileset == tile::Tileset::Fit).then(|| steps.map(|steps| Factors::of(&steps))).flatten();
     let body = TileJson {
         tilejson: "3.0.0",
         name: live.title().to_owned(),
@@ -135,6 +141,8 @@ pub(crate) async fn get_tilejson(
         tile_size: tileset.layers().is_empty().then_some(512),
         vector_layers: vector_layers(tileset),
         encoding: tileset.encoding(),
+        factors,
+        elevation: steps.map(|_| range),
         materials: tileset.has_materials().then(|| materials(live.world.materials(), is_weights)),
         pages: is_weights.then(|| live.world.materials().len() / CHANNELS.len() + 1),
     };
@@ -167,14 +175,15 @@ fn vector_layers(tileset: tile::Tileset) -> Option<Vec<VectorLayerSchema>> {
     (!tileset.layers().is_empty()).then(|| tileset.layers().iter().map(layer).collect())
 }
 
-fn template(url: &str, live: &Live, grid: &str, tileset: tile::Tileset, plain: bool) -> String {
+/// The template of a tileset's addresses, its pictures packed in a way.
+fn template(url: &str, live: &Live, grid: &str, (tileset, image): (tile::Tileset, tile::Image), plain: bool) -> String {
     let revision = if plain { String::new() } else { format!("@{}", live.world.revision()) };
     let samples = if tileset.layers().is_empty() { "@2x" } else { "" };
     let page = if let tile::Tileset::Weights(page @ 1..) = tileset { format!("?page={page}") } else { String::new() };
-    format!("{url}/worlds/{}{revision}/{grid}/{}/{{z}}/{{x}}/{{y}}{samples}.{}{page}", live.name, tileset.name(), tileset.extension())
+    format!("{url}/worlds/{}{revision}/{grid}/{}/{{z}}/{{x}}/{{y}}{samples}.{}{page}", live.name, tileset.name(), tileset.extension(image))
 }
 
-/// The middle and zoom (of 512-pixel tiles) of a view with relief: longitude and latitude on `web`, metres on `metric`.
+/// The middle and zoom (of 512-pixel tiles) of a view with relief: longitude and latitude on `web` and `geo`, metres on `metric`.
 fn center(live: &Live, grid: Grid) -> [f64; 3] {
     /// How many pixels the view is meant to fill.
     const VIEW_PIXELS: f64 = 1024.0;
@@ -187,12 +196,38 @@ fn center(live: &Live, grid: Grid) -> [f64; 3] {
             let (longitude, latitude) = to_lon_lat(x, y);
             [round(longitude, 1e6), round(latitude, 1e6), round(zoom, 100.0)]
         }
+        Grid::Geo => [round(x / DEGREE, 1e6), round(y / DEGREE, 1e6), round(zoom, 100.0)],
         Grid::Metric => [x.round(), y.round(), round(zoom, 100.0)],
     }
 }
 
+/// What a style is made of.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct StyleQuery {
+    /// Present, with any value or none: plain URLs whose tiles change with the world, for editing.
+    #[param(value_type = Option<String>, allow_reserved = false)]
+    live: Option<String>,
+    /// `terrarium` (default), `terrain-rgb` or `fit`: the tileset that heights are read from.
+    heights: Option<String>,
+    /// `png` (default) or `webp`: how its tiles are packed.
+    format: Option<String>,
+}
+
+impl StyleQuery {
+    fn heights(&self) -> Result<tile::Tileset, ApiError> {
+        match self.heights.as_deref() {
+            None | Some("terrarium") => Ok(tile::Tileset::Terrarium),
+            Some("terrain-rgb") => Ok(tile::Tileset::TerrainRgb),
+            Some("fit") => Ok(tile::Tileset::Fit),
+            Some(other) => Err(ApiError::parameter("heights", format!("must be terrarium, terrain-rgb or fit, got {other:?}"))),
+        }
+    }
+}
+
 /// A ready `MapLibre` style: colour relief under hillshade.
-#[utoipa::path(get, path = "/worlds/{world}/style.json", tag = "tiles", params(("world" = String, Path, description = "`name` or `name@revision`"), LiveQuery), responses(
+#[utoipa::path(get, path = "/worlds/{world}/style.json", tag = "tiles", params(("world" = String, Path, description = "`name` or `name@revision`"), StyleQuery), responses(
     (status = 200, description = "A MapLibre style, version 8", body = serde_json::Value),
     (status = 304, description = "The answer is the one that If-None-Match names"),
     (status = 400, description = "The query is wrong", body = ProblemDetails, content_type = "application/problem+json"),
@@ -200,11 +235,13 @@ fn center(live: &Live, grid: Grid) -> [f64; 3] {
 ))]
 pub(crate) async fn get_style(
     WorldAt { live, .. }: WorldAt,
-    Known(query): Known<LiveQuery>,
+    Known(query): Known<StyleQuery>,
     PublicUrl(url): PublicUrl,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
-    let tiles = |tileset| template(&url, &live, Grid::Web.name(), tileset, query.live.is_some());
-    let style = style::style(&live, tiles, MAX_ANNOUNCED_ZOOM, center(&live, Grid::Web));
+    let heights = query.heights()?;
+    let image = packing(heights, query.format.as_deref())?;
+    let tiles = |tileset| template(&url, &live, Grid::Web.name(), (tileset, image), query.live.is_some());
+    let style = style::style(&live, heights, tiles, MAX_ANNOUNCED_ZOOM, center(&live, Grid::Web));
     json(&headers, &style, Freshness::Revalidate)
 }
