@@ -7,9 +7,12 @@ use super::{
 };
 use crate::{
     geometry::{Filter, Grid, MAX_SIDE, MAX_ZOOM, Samples, Tile},
-    tile::{ByteOrder, Height, Image, Options, RowOrder, TileRequest, Tileset},
+    tile::{ByteOrder, Height, Image, MESH_SIDES, MeshExtensions, Options, RowOrder, TileRequest, Tileset},
 };
-use axum::{extract::FromRequestParts, http::request::Parts};
+use axum::{
+    extract::FromRequestParts,
+    http::{HeaderMap, header, request::Parts},
+};
 use serde::Deserialize;
 use std::collections::HashMap;
 
@@ -31,6 +34,10 @@ impl TilesetPath {
             let all = list(Tileset::ALL.iter().map(|tileset| tileset.name()).collect());
             ApiError::absent("tileset", format!("no tileset is named {tileset:?}; there are {all}"))
         })?;
+        if !tileset.is_on(grid) {
+            let grids = list(Grid::ALL.into_iter().filter(|grid| tileset.is_on(*grid)).map(Grid::name).collect());
+            return Err(ApiError::absent("tileset", format!("{} lies on the globe: the grids {grids} have it, {} does not", tileset.name(), grid.name())));
+        }
         Ok(Self { grid, tileset })
     }
 }
@@ -43,6 +50,19 @@ impl FromRequestParts<App> for TilesetPath {
     }
 }
 
+/// A grid of a path that meshes lie on.
+pub(super) struct GlobePath(pub Grid);
+
+impl FromRequestParts<App> for GlobePath {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
+        let mut parameters = path(parts).await?;
+        parameters.insert("tileset".to_owned(), Tileset::QuantizedMesh.name().to_owned());
+        Ok(Self(TilesetPath::parse(&parameters)?.grid))
+    }
+}
+
 /// What the query of a tile says.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -52,6 +72,7 @@ struct TileQuery {
     page: Option<String>,
     order: Option<String>,
     rows: Option<String>,
+    extensions: Option<String>,
 }
 
 impl TileQuery {
@@ -74,6 +95,32 @@ impl TileQuery {
         let missing = || (!tileset.has_sidecar()).then(|| format!("rows of {} run from the north", tileset.name()));
         choice("rows", self.rows.as_deref(), [("north", RowOrder::North), ("south", RowOrder::South)], missing)
     }
+}
+
+/// What a mesh is to hold beside its triangles: `extensions=` (names with hyphens between them), else what the media type that the client takes says.
+fn mesh_extensions(tileset: Tileset, query: Option<&str>, headers: &HeaderMap) -> Result<MeshExtensions, ApiError> {
+    match (tileset, query) {
+        (Tileset::QuantizedMesh, Some(names)) => Ok(MeshExtensions::named(names.split('-'))),
+        (Tileset::QuantizedMesh, None) => {
+            let ranges = headers.get_all(header::ACCEPT).iter().filter_map(|value| value.to_str().ok()).flat_map(|value| value.split(','));
+            let meshes = ranges.filter_map(|range| range.trim().strip_prefix("application/vnd.quantized-mesh"));
+            let names = meshes.flat_map(|range| range.split(';')).filter_map(|parameter| parameter.trim().strip_prefix("extensions="));
+            Ok(MeshExtensions::named(names.flat_map(|names| names.trim_matches('"').split('-'))))
+        }
+        (_, None) => Ok(MeshExtensions::default()),
+        (tileset, Some(_)) => Err(ApiError::parameter("extensions", format!("{} has no extensions: leave it out", tileset.name()))),
+    }
+}
+
+/// The row from the north of a row from the south, as meshes count them.
+fn from_the_south(grid: Grid, tile: Tile) -> Result<Tile, ApiError> {
+    let [columns, rows] = grid.size(tile.z);
+    if (0..columns).contains(&tile.x) && (0..rows).contains(&tile.y) {
+        return Ok(Tile { y: rows - 1 - tile.y, ..tile });
+    }
+    let (last_x, last_y) = (columns - 1, rows - 1);
+    let detail = format!("meshes end with the globe: at zoom {}, x must be 0 … {last_x} and y, from the south, 0 … {last_y}", tile.z);
+    Err(ApiError::absent("tile", detail))
 }
 
 /// One of two choices of a query by their names, the first by default; `missing` says why there is no second one.
@@ -103,9 +150,11 @@ impl FromRequestParts<App> for TilePath {
         let get = |name: &str| parameters.get(name).map_or("", String::as_str);
         let File { y, samples, image, is_sidecar } = File::parse(get("y"), tileset)?;
         let tile = Tile { z: parse_zoom(get("z"))?, x: parse_index("x", get("x"))?, y };
+        let tile = if tileset == Tileset::QuantizedMesh { from_the_south(grid, tile)? } else { tile };
         grid.check(tile).map_err(|error| ApiError::absent("tile", error.to_string()))?;
         let (filter, height) = (query.filter()?, query.height(tileset)?);
-        let options = Options { image, order: query.order(tileset)?, rows: query.rows(tileset)? };
+        let mesh = mesh_extensions(tileset, query.extensions.as_deref(), &parts.headers)?;
+        let options = Options { image, order: query.order(tileset)?, rows: query.rows(tileset)?, mesh };
         let tileset = paged(tileset, query.page.as_deref())?;
         Ok(Self { request: TileRequest { grid, tile, samples, filter, tileset, height, options }, is_sidecar })
     }
@@ -177,13 +226,20 @@ fn endings(tileset: Tileset) -> String {
 
 /// Row and samples: `5`, `5@2x`, `5@257`.
 fn parse_stem(stem: &str, tileset: Tileset) -> Result<(i64, Samples), ApiError> {
-    // Vector tiles are drawn from vertices, which neighbours share.
-    let pixels = |side: usize| if tileset.layers().is_empty() { Samples::Centres(side) } else { Samples::Vertices(side + 1) };
+    // Vector tiles and meshes are drawn from vertices, which neighbours share.
+    let pixels = |side: usize| match tileset {
+        Tileset::QuantizedMesh => Samples::Vertices(side / 4 + 1),
+        _ if tileset.layers().is_empty() => Samples::Centres(side),
+        _ => Samples::Vertices(side + 1),
+    };
     let Some((row, samples)) = stem.split_once('@') else { return Ok((parse_index("y", stem)?, pixels(256))) };
     let row = parse_index("y", row)?;
     let side = samples.parse::<usize>().ok().filter(|side| (2..=MAX_SIDE).contains(side));
     match (samples, side) {
         ("2x", _) => Ok((row, pixels(512))),
+        (_, Some(side)) if tileset == Tileset::QuantizedMesh && !MESH_SIDES.contains(&side) => {
+            Err(ApiError::absent("y", format!("meshes are drawn from one of {MESH_SIDES:?} samples a side; got {side}")))
+        }
         (_, Some(side)) => Ok((row, Samples::Vertices(side))),
         _ => Err(ApiError::absent("y", format!("after @ comes 2x (512 pixels) or a number of vertices a side, 2 … {MAX_SIDE}; got {samples:?}"))),
     }

@@ -47,12 +47,11 @@ pub(super) fn sidecar(request: &TileRequest, range: [f64; 2], stem: &str) -> Res
     let TileRequest { tileset, samples, options, .. } = *request;
     let window = request.window()?;
     let bounds = window.bounds();
-    let is_picture = !tileset.is_raw();
     Ok(SidecarSchema {
         file: format!("{stem}.{}", tileset.extension(Image::Png)),
         kind: if tileset == Tileset::R32 { "float32" } else { "uint16" },
         // As PNG has it.
-        byte_order: if is_picture { ByteOrder::Big } else { options.order }.name(),
+        byte_order: if tileset.is_picture() { ByteOrder::Big } else { options.order }.name(),
         columns: samples.side(),
         rows: samples.side(),
         first_row: options.rows.name(),

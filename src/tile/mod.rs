@@ -6,6 +6,7 @@ mod geotiff;
 mod hillshade;
 mod lines;
 mod materials;
+mod mesh;
 mod mvt;
 mod options;
 mod preview;
@@ -20,7 +21,8 @@ pub use contours::contour_interval;
 pub use geotiff::write_geotiff;
 pub use lines::render_features;
 pub use materials::material_colour;
-pub use options::{ByteOrder, Image, Options, RowOrder};
+pub use mesh::{MAX_MESH_ZOOM, MESH_SIDES, mesh_step, mesh_tolerance};
+pub use options::{ByteOrder, Image, MeshExtensions, Options, RowOrder};
 pub use preview::{PREVIEW_FORM, preview};
 pub use relief::Ramp;
 pub use steps::Steps;
@@ -66,6 +68,15 @@ impl TileRequest {
         Ok(self.grid.window(self.tile, self.samples, self.filter)?.with_apron(self.tileset.apron()))
     }
 
+    /// The samples that a mask of water is made from beside them; none if the tile has none.
+    ///
+    /// # Errors
+    /// If the grid has no such tile.
+    pub fn mask_window(&self) -> Result<Option<Window>, GridError> {
+        let is_wanted = self.tileset == Tileset::QuantizedMesh && self.options.mesh.water_mask;
+        is_wanted.then(|| mesh::mask_window(self)).transpose()
+    }
+
     /// Tileset, extension, options and version of the encoder, with what of the legend enters the bytes: what they add to a tile's fingerprint.
     #[must_use]
     pub fn form(&self, legend: &Legend) -> String {
@@ -102,6 +113,9 @@ pub enum TileError {
 /// # Errors
 /// If the grid has no such tile, or encoding fails.
 pub fn render(source: &impl Source, request: &TileRequest) -> Result<Vec<u8>, TileError> {
+    if request.tileset == Tileset::QuantizedMesh {
+        return mesh::draw(source, request);
+    }
     let window = request.window()?;
     let wanted = request.tileset.wanted();
     let mut surface = Surface::with(&window, Wanted { water: wanted.water || request.height == Height::Water, ..wanted });

@@ -52,6 +52,38 @@ impl RowOrder {
     }
 }
 
+/// What a mesh holds beside its triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct MeshExtensions {
+    /// A normal a vertex: `octvertexnormals`.
+    pub normals: bool,
+    /// Where there is water: `watermask`.
+    pub water_mask: bool,
+    /// Which tiles there are below: `metadata`.
+    pub metadata: bool,
+}
+
+impl MeshExtensions {
+    /// The names of all.
+    pub const NAMES: [&str; 3] = ["octvertexnormals", "watermask", "metadata"];
+
+    /// The extensions of names; others have no meaning.
+    pub fn named<'a>(names: impl Iterator<Item = &'a str>) -> Self {
+        names.fold(Self::default(), |found, name| Self {
+            normals: found.normals || name == Self::NAMES[0],
+            water_mask: found.water_mask || name == Self::NAMES[1],
+            metadata: found.metadata || name == Self::NAMES[2],
+        })
+    }
+
+    /// The names of those that are wanted, with hyphens between them.
+    #[must_use]
+    pub fn list(self) -> String {
+        let wanted = Self::NAMES.into_iter().zip([self.normals, self.water_mask, self.metadata]);
+        wanted.filter(|(_, wanted)| *wanted).map(|(name, _)| name).collect::<Vec<_>>().join("-")
+    }
+}
+
 /// What clients choose of a tile's bytes; each choice matters to some tilesets alone.
 ///
 /// ```
@@ -66,6 +98,8 @@ pub struct Options {
     pub order: ByteOrder,
     /// Of [heights for engines](crate::tile::Tileset::has_sidecar).
     pub rows: RowOrder,
+    /// Of `quantized-mesh`.
+    pub mesh: MeshExtensions,
 }
 
 impl Options {
@@ -80,6 +114,9 @@ impl Options {
         }
         if self.rows == RowOrder::South {
             form += "\nrows from the south";
+        }
+        if self.mesh != MeshExtensions::default() {
+            form.extend(["\n", &self.mesh.list()]);
         }
         form
     }

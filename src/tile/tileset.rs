@@ -7,7 +7,7 @@ use super::{
     raster::{Pixels, Raster},
     relief, rgb, steps, water,
 };
-use crate::geometry::{Legend, Surface, Wanted};
+use crate::geometry::{Grid, Legend, Surface, Wanted};
 
 /// A way to draw a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -38,6 +38,8 @@ pub enum Tileset {
     Contours,
     /// Features of layers as a vector tile.
     Features,
+    /// Triangles on the globe, on [`Grid::Geo`] and [`Grid::Web`]: quantized-mesh-1.0.
+    QuantizedMesh,
 }
 
 /// A layer of vector tiles.
@@ -90,7 +92,7 @@ pub enum EncodeError {
 
 impl Tileset {
     /// Every tileset.
-    pub const ALL: [Tileset; 13] = [
+    pub const ALL: [Tileset; 14] = [
         Tileset::Terrarium,
         Tileset::TerrainRgb,
         Tileset::Fit,
@@ -104,6 +106,7 @@ impl Tileset {
         Tileset::Relief,
         Tileset::Contours,
         Tileset::Features,
+        Tileset::QuantizedMesh,
     ];
 
     /// The name in URLs.
@@ -123,6 +126,7 @@ impl Tileset {
             Tileset::Relief => "relief",
             Tileset::Contours => "contours",
             Tileset::Features => "features",
+            Tileset::QuantizedMesh => "quantized-mesh",
         }
     }
 
@@ -138,6 +142,7 @@ impl Tileset {
         match self {
             Tileset::R16 | Tileset::R32 => "bin",
             Tileset::Contours | Tileset::Features => "mvt",
+            Tileset::QuantizedMesh => "terrain",
             _ if image == Image::Webp && self.has_webp() => "webp",
             _ => "png",
         }
@@ -150,14 +155,27 @@ impl Tileset {
             "bin" => "application/octet-stream",
             "mvt" => "application/vnd.mapbox-vector-tile",
             "webp" => "image/webp",
+            "terrain" => "application/vnd.quantized-mesh",
             _ => "image/png",
         }
+    }
+
+    /// Whether its tiles are pictures.
+    #[must_use]
+    pub fn is_picture(self) -> bool {
+        !matches!(self, Tileset::R16 | Tileset::R32 | Tileset::Contours | Tileset::Features | Tileset::QuantizedMesh)
     }
 
     /// Whether its tiles are pictures that there are as `WebP` too.
     #[must_use]
     pub fn has_webp(self) -> bool {
-        !matches!(self, Tileset::Height16 | Tileset::R16 | Tileset::R32 | Tileset::Contours | Tileset::Features)
+        self.is_picture() && self != Tileset::Height16
+    }
+
+    /// Whether a grid has it: meshes lie on the globe, which `metric` knows nothing of.
+    #[must_use]
+    pub fn is_on(self, grid: Grid) -> bool {
+        self != Tileset::QuantizedMesh || grid != Grid::Metric
     }
 
     /// Whether its tiles are samples without a header.
@@ -212,6 +230,7 @@ impl Tileset {
             Tileset::Relief => "relief.png 1",
             Tileset::Contours => "contours.mvt 1",
             Tileset::Features => "features.mvt 1",
+            Tileset::QuantizedMesh => "quantized-mesh.terrain 1",
         }
     }
 
@@ -229,7 +248,7 @@ impl Tileset {
     #[must_use]
     pub fn apron(self) -> usize {
         match self {
-            Tileset::Hillshade | Tileset::Water | Tileset::Relief => 1,
+            Tileset::Hillshade | Tileset::Water | Tileset::Relief | Tileset::QuantizedMesh => 1,
             Tileset::Contours | Tileset::Features => contours::APRON,
             _ => 0,
         }
@@ -251,7 +270,7 @@ impl Tileset {
     /// Whether it draws heights, of the ground or of the water's surface.
     #[must_use]
     pub fn has_height(self) -> bool {
-        matches!(self, Tileset::Terrarium | Tileset::TerrainRgb | Tileset::Fit | Tileset::Hillshade) || self.has_sidecar()
+        matches!(self, Tileset::Terrarium | Tileset::TerrainRgb | Tileset::Fit | Tileset::Hillshade | Tileset::QuantizedMesh) || self.has_sidecar()
     }
 
     /// Encodes a surface that has this tileset's apron around it and what it [wants](Tileset::wanted); `spacing` in metres.
@@ -262,8 +281,8 @@ impl Tileset {
         match self {
             Tileset::R16 | Tileset::R32 => Ok(raw(surface, self.steps(legend.range), options)),
             Tileset::Contours => Ok(contours::draw(surface, contours::interval(spacing))),
-            // A surface has no features.
-            Tileset::Features => Ok(Vec::new()),
+            // A surface has no features, and knows no place on the globe.
+            Tileset::Features | Tileset::QuantizedMesh => Ok(Vec::new()),
             _ => self.picture(surface, spacing, legend, options.rows).encode(options.image),
         }
     }

@@ -5,8 +5,8 @@
 use sha2::{Digest, Sha256};
 use std::{fmt::Write, path::Path};
 use terrane::{
-    geometry::{Filter, Grid, Samples, Tile},
-    tile::{Height, Options, PREVIEW_FORM, TileRequest, Tileset, preview, render},
+    geometry::{Filter, Grid, Legend, Samples, Tile},
+    tile::{Height, Image, MeshExtensions, Options, PREVIEW_FORM, TileRequest, Tileset, preview, render},
     world::{Document, EXAMPLES, PRESETS, Preset, Survey, World},
 };
 
@@ -37,10 +37,22 @@ fn lines() -> String {
             writeln!(lines, "{} {} {}/{}/{} {samples:?} {}: {} {min} {max}", example.name, grid.name(), tile.z, tile.x, tile.y, filter.name(), digest(&bytes))
                 .unwrap();
         }
-        for tileset in [Tileset::Terrarium, Tileset::TerrainRgb, Tileset::Hillshade] {
+        let all = MeshExtensions { normals: true, water_mask: true, metadata: true };
+        let (plain, webp, mesh) = (Options::default(), Options { image: Image::Webp, ..Options::default() }, Options { mesh: all, ..Options::default() });
+        for (tileset, options) in [
+            (Tileset::Terrarium, plain),
+            (Tileset::TerrainRgb, plain),
+            (Tileset::Hillshade, plain),
+            (Tileset::Fit, plain),
+            (Tileset::Height16, plain),
+            (Tileset::TerrainRgb, webp),
+            (Tileset::QuantizedMesh, mesh),
+        ] {
             let (grid, tile, samples, filter) = places[0];
-            let bytes = render(&world, &TileRequest { grid, tile, samples, filter, tileset, height: Height::Ground, options: Options::default() }).unwrap();
-            writeln!(lines, "{} {}: {}", example.name, tileset.form(), digest(&bytes)).unwrap();
+            let samples = if tileset == Tileset::QuantizedMesh { Samples::Vertices(65) } else { samples };
+            let request = TileRequest { grid, tile, samples, filter, tileset, height: Height::Ground, options };
+            let (form, bytes) = (request.form(&Legend::default()).replace('\n', " "), render(&world, &request).unwrap());
+            writeln!(lines, "{} {form}: {}", example.name, digest(&bytes)).unwrap();
         }
     }
     lines

@@ -14,7 +14,7 @@ async fn a_new_server_has_the_example_worlds_with_their_tilesets() {
     assert_eq!(names, ["alps", "archipelago", "archipelago-endless", "dunes", "eq2", "hills", "mesas", "ridges-and-rivers", "ridges-rivers-and-lakes"]);
     assert_eq!(worlds[0]["title"], "Alps");
     assert_eq!(worlds[0]["tilesets"][0], json!({"grid": "web", "tileset": "terrarium", "tilejson": "http://localhost:8080/worlds/alps/web/terrarium"}));
-    assert_eq!(worlds[0]["tilesets"].as_array().unwrap().len(), 39);
+    assert_eq!(worlds[0]["tilesets"].as_array().unwrap().len(), 41);
     let list = client.get("/worlds").await.json();
     assert_eq!(list["worlds"][5]["revision"], worlds[5]["revision"]);
     assert!(list["worlds"][5].get("tilesets").is_none());
@@ -129,7 +129,7 @@ async fn wrong_requests_are_told_what_would_be_right() {
         ("/worlds/alps/mercator/terrarium/1/0/0.png", "404 grid: no grid is named \"mercator\"; there are web, geo, metric"),
         (
             "/worlds/alps/web/terrain/1/0/0.png",
-            "404 tileset: no tileset is named \"terrain\"; there are terrarium, terrain-rgb, fit, height16, r16, r32, hillshade, water, materials, weights, relief, contours, features",
+            "404 tileset: no tileset is named \"terrain\"; there are terrarium, terrain-rgb, fit, height16, r16, r32, hillshade, water, materials, weights, relief, contours, features, quantized-mesh",
         ),
         ("/worlds/alps/web/terrarium/31/0/0.png", "404 z: zoom must be 0 … 30, got 31"),
         ("/worlds/alps/web/terrarium/-1/0/0.png", "404 z: zoom must be 0 … 30, got -1"),
@@ -151,7 +151,10 @@ async fn wrong_requests_are_told_what_would_be_right() {
         ("/worlds/alps/web/r32/1/0/0@1026.bin", "404 y: after @ comes 2x (512 pixels) or a number of vertices a side, 2 … 1025; got \"1026\""),
         ("/worlds/alps/web/r32/1/0/0@1.bin", "404 y: after @ comes 2x (512 pixels) or a number of vertices a side, 2 … 1025; got \"1\""),
         ("/worlds/alps/web/r32/1/0/0.bin?filter=none", "400 filter: must be band or exact, got \"none\""),
-        ("/worlds/alps/web/r32/1/0/0.bin?fliter=exact", "400 fliter: unknown field `fliter`, expected one of `filter`, `surface`, `page`, `order`, `rows`"),
+        (
+            "/worlds/alps/web/r32/1/0/0.bin?fliter=exact",
+            "400 fliter: unknown field `fliter`, expected one of `filter`, `surface`, `page`, `order`, `rows`, `extensions`",
+        ),
         ("/worlds/alps/elevation", "400 x: a point is given by x and y (metres) or by lon and lat (degrees)"),
         ("/worlds/alps/elevation?lon=1.2", "400 lat: a point is given by x and y (metres) or by lon and lat (degrees)"),
         ("/worlds/alps/elevation?x=1&lat=2", "400 x: a point is given by x and y (metres) or by lon and lat (degrees)"),

@@ -14,6 +14,7 @@ mod http;
 mod layers;
 mod levels;
 mod library;
+mod mesh;
 mod openapi;
 mod program;
 mod properties;

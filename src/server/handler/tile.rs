@@ -15,18 +15,18 @@ use crate::{
         tilejson::{Factors, MaterialSchema, TileJson, VectorLayerSchema},
         worlds::Live,
     },
-    tile,
+    tile::{self, TileRequest, Tileset},
 };
 use axum::{
     extract::State,
-    http::{HeaderMap, Uri, header},
+    http::{HeaderMap, HeaderValue, Uri, header},
     response::Response,
 };
 use serde::Deserialize;
 use utoipa::IntoParams;
 
 /// Zoom levels that `TileJSON` announces.
-const MAX_ANNOUNCED_ZOOM: u8 = 24;
+pub(super) const MAX_ANNOUNCED_ZOOM: u8 = 24;
 
 /// Which tiles are described.
 #[derive(Deserialize, IntoParams)]
@@ -47,17 +47,18 @@ pub(crate) struct TilesetQuery {
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}/{z}/{x}/{y}", tag = "tiles", params(
     ("world" = String, Path, description = "`name`, or `name@revision` for a tile that never changes"),
     ("grid" = String, Path, description = "`web`, `geo` or `metric`"),
-    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `water`, `materials`, `weights`, `relief`, `contours` or `features`"),
+    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `water`, `materials`, `weights`, `relief`, `contours`, `features` or `quantized-mesh`"),
     ("z" = u8, Path, description = "Zoom level, 0 … 30"),
     ("x" = i64, Path, description = "Column, to the east; may be negative or beyond 2^z"),
-    ("y" = String, Path, description = "Row, to the south, samples and extension: `5.png` or `5.webp` (256 pixels), `5@2x.png` (512), `5@257.bin` (257 × 257 vertices with both edges; 2 … 1025), `5@257.json` (what the samples of `height16`, `r16` and `r32` mean), `5.mvt`"),
-    ("surface" = Option<String>, Query, description = "`ground` (default) or `water`: the height that `terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32` and `hillshade` draw; `water` is the water's surface where there is water"),
+    ("y" = String, Path, description = "Row, to the south, samples and extension: `5.png` or `5.webp` (256 pixels), `5@2x.png` (512), `5@257.bin` (257 × 257 vertices with both edges; 2 … 1025), `5@257.json` (what the samples of `height16`, `r16` and `r32` mean), `5.mvt`, `5.terrain` (65 × 65 samples; `@17`, `@33`, `@129`, `@257`). Rows of `quantized-mesh` count from the south"),
+    ("surface" = Option<String>, Query, description = "`ground` (default) or `water`: the height that `terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade` and `quantized-mesh` draw; `water` is the water's surface where there is water"),
     ("page" = Option<u8>, Query, description = "Of `weights`, 0 (default) … 63: page n has the materials of numbers 4 n to 4 n + 3 as red, green, blue and alpha"),
     ("order" = Option<String>, Query, description = "Of `r16` and `r32`: `le` (default) or `be`, the byte that comes first"),
     ("rows" = Option<String>, Query, description = "Of `height16`, `r16` and `r32`: `north` (default) or `south`, the row that comes first"),
+    ("extensions" = Option<String>, Query, description = "Of `quantized-mesh`: any of `octvertexnormals`, `watermask` and `metadata` with hyphens between them; without it what the Accept header says, as in `application/vnd.quantized-mesh;extensions=octvertexnormals-watermask`"),
     ("filter" = Option<String>, Query, description = "`band` (default) leaves out what the spacing cannot carry, `exact` samples the function as it is"),
 ), responses(
-    (status = 200, description = "The tile", content((Vec<u8> = "image/png"), (Vec<u8> = "image/webp"), (Vec<u8> = "application/octet-stream"), (Vec<u8> = "application/vnd.mapbox-vector-tile"), (SidecarSchema = "application/json")), headers(("ETag" = String, description = "The tile's fingerprint"))),
+    (status = 200, description = "The tile", content((Vec<u8> = "image/png"), (Vec<u8> = "image/webp"), (Vec<u8> = "application/octet-stream"), (Vec<u8> = "application/vnd.mapbox-vector-tile"), (Vec<u8> = "application/vnd.quantized-mesh"), (SidecarSchema = "application/json")), headers(("ETag" = String, description = "The tile's fingerprint"))),
     (status = 304, description = "The tile is what If-None-Match names; nothing was evaluated"),
     (status = 400, description = "A part of the address is no number, the query is wrong, or exact samples so far apart would take longer than 10 s", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 404, description = "No such world, grid, tileset, extension or tile", body = ProblemDetails, content_type = "application/problem+json"),
@@ -77,14 +78,15 @@ pub(crate) async fn get_tile(
     }
     let window = request.window().map_err(absent)?;
     let (world, form, area) = (&live.world, request.form(&live.world.legend()), window.bounds());
-    let is_features = request.tileset == tile::Tileset::Features;
+    let is_features = request.tileset == Tileset::Features;
     let form = if is_features { world.features_form(&form, &area) } else { form };
     let fingerprint = world.fingerprint(&form, &area, request.grid, request.tile, request.samples, request.filter);
     let (tag, freshness) = (fingerprint.to_string(), Freshness::of(pinned));
     if is_fresh(&headers, &tag) {
         return Ok(not_modified(&tag, freshness));
     }
-    let cost_ns = live.world.cost_ns(&window);
+    let mask = request.mask_window().map_err(absent)?;
+    let cost_ns = live.world.cost_ns(&window) + mask.map_or(0.0, |mask| live.world.cost_ns(&mask));
     if cost_ns > MOST_TILE_NS {
         let (spacing, seconds) = (window.spacing(), cost_ns / 1e9);
         let instead = if request.filter == Filter::Exact { "filter=band" } else { "fewer samples" };
@@ -96,7 +98,19 @@ pub(crate) async fn get_tile(
         .tiles
         .get(fingerprint, cost_ns, move || if is_features { tile::render_features(&live.world, &request) } else { tile::render(&live.world, &request) })
         .await?;
-    Ok(tagged(([(header::CONTENT_TYPE, request.tileset.media_type(request.options.image))], bytes), &tag, freshness))
+    Ok(tagged((described(&request), bytes), &tag, freshness))
+}
+
+/// The headers that say what a tile is. A mesh says which extensions it holds, and that they may come from what the client takes.
+fn described(request: &TileRequest) -> HeaderMap {
+    let (media_type, extensions) = (request.tileset.media_type(request.options.image), request.options.mesh.list());
+    let content = if extensions.is_empty() { media_type.to_owned() } else { format!("{media_type};extensions={extensions}") };
+    let mut headers = HeaderMap::new();
+    headers.extend(HeaderValue::from_str(&content).ok().map(|value| (header::CONTENT_TYPE, value)));
+    if request.tileset == Tileset::QuantizedMesh {
+        headers.insert(header::VARY, HeaderValue::from_static("accept"));
+    }
+    headers
 }
 
 /// The greatest predicted time of a tile. Filtered tiles stay far below, by the budget of programmes; exact samples further apart than the valleys of an erosion do
@@ -107,7 +121,7 @@ const MOST_TILE_NS: f64 = 1e10;
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}", tag = "tiles", params(
     ("world" = String, Path, description = "`name` or `name@revision`"),
     ("grid" = String, Path, description = "`web`, `geo` or `metric`"),
-    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `water`, `materials`, `weights`, `relief`, `contours` or `features`"),
+    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `water`, `materials`, `weights`, `relief`, `contours`, `features` or `quantized-mesh`"),
     TilesetQuery,
 ), responses(
     (status = 200, description = "TileJSON 3.0 with `encoding` and `tileSize`", body = TileJson),
@@ -123,22 +137,22 @@ pub(crate) async fn get_tilejson(
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
     let tileset = paged(tileset, query.page.as_deref())?;
-    let (document, is_weights) = (live.world.document(), matches!(tileset, tile::Tileset::Weights(_)));
+    let (document, is_weights) = (live.world.document(), matches!(tileset, Tileset::Weights(_)));
     let image = packing(tileset, query.format.as_deref())?;
     let template = template(&url, &live, grid.name(), (tileset, image), query.live.is_some());
     let (range, steps) = (live.world.legend().range, tileset.steps(live.world.legend().range));
-    let factors = (tileset == tile::Tileset::Fit).then(|| steps.map(|steps| Factors::of(&steps))).flatten();
+    let factors = (tileset == Tileset::Fit).then(|| steps.map(|steps| Factors::of(&steps))).flatten();
     let body = TileJson {
         tilejson: "3.0.0",
         name: live.title().to_owned(),
         description: document.description.clone(),
         attribution: document.attribution.clone(),
-        scheme: "xyz",
+        scheme: if tileset == Tileset::QuantizedMesh { "tms" } else { "xyz" },
         tiles: [template],
         minzoom: 0,
         maxzoom: MAX_ANNOUNCED_ZOOM,
         center: center(&live, grid),
-        tile_size: tileset.layers().is_empty().then_some(512),
+        tile_size: has_pixels(tileset).then_some(512),
         vector_layers: vector_layers(tileset),
         encoding: tileset.encoding(),
         factors,
@@ -166,7 +180,7 @@ fn materials(names: &[Box<str>], is_weights: bool) -> Vec<MaterialSchema> {
 }
 
 /// What the layers of a vector tileset are called and hold.
-fn vector_layers(tileset: tile::Tileset) -> Option<Vec<VectorLayerSchema>> {
+fn vector_layers(tileset: Tileset) -> Option<Vec<VectorLayerSchema>> {
     let layer = |layer: &tile::VectorLayer| VectorLayerSchema {
         id: layer.id,
         description: layer.description,
@@ -175,11 +189,16 @@ fn vector_layers(tileset: tile::Tileset) -> Option<Vec<VectorLayerSchema>> {
     (!tileset.layers().is_empty()).then(|| tileset.layers().iter().map(layer).collect())
 }
 
+/// Whether tiles are squares of samples.
+fn has_pixels(tileset: Tileset) -> bool {
+    tileset.is_picture() || tileset.is_raw()
+}
+
 /// The template of a tileset's addresses, its pictures packed in a way.
-fn template(url: &str, live: &Live, grid: &str, (tileset, image): (tile::Tileset, tile::Image), plain: bool) -> String {
+pub(super) fn template(url: &str, live: &Live, grid: &str, (tileset, image): (Tileset, tile::Image), plain: bool) -> String {
     let revision = if plain { String::new() } else { format!("@{}", live.world.revision()) };
-    let samples = if tileset.layers().is_empty() { "@2x" } else { "" };
-    let page = if let tile::Tileset::Weights(page @ 1..) = tileset { format!("?page={page}") } else { String::new() };
+    let samples = if has_pixels(tileset) { "@2x" } else { "" };
+    let page = if let Tileset::Weights(page @ 1..) = tileset { format!("?page={page}") } else { String::new() };
     format!("{url}/worlds/{}{revision}/{grid}/{}/{{z}}/{{x}}/{{y}}{samples}.{}{page}", live.name, tileset.name(), tileset.extension(image))
 }
 
@@ -216,11 +235,11 @@ pub(crate) struct StyleQuery {
 }
 
 impl StyleQuery {
-    fn heights(&self) -> Result<tile::Tileset, ApiError> {
+    fn heights(&self) -> Result<Tileset, ApiError> {
         match self.heights.as_deref() {
-            None | Some("terrarium") => Ok(tile::Tileset::Terrarium),
-            Some("terrain-rgb") => Ok(tile::Tileset::TerrainRgb),
-            Some("fit") => Ok(tile::Tileset::Fit),
+            None | Some("terrarium") => Ok(Tileset::Terrarium),
+            Some("terrain-rgb") => Ok(Tileset::TerrainRgb),
+            Some("fit") => Ok(Tileset::Fit),
             Some(other) => Err(ApiError::parameter("heights", format!("must be terrarium, terrain-rgb or fit, got {other:?}"))),
         }
     }
