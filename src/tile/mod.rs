@@ -13,6 +13,7 @@ mod preview;
 mod raster;
 mod relief;
 mod rgb;
+mod slope;
 mod steps;
 mod tileset;
 mod water;

@@ -5,7 +5,7 @@ use super::{
     lines::LAYERS,
     materials,
     raster::{Pixels, Raster},
-    relief, rgb, steps, water,
+    relief, rgb, slope, steps, water,
 };
 use crate::geometry::{Grid, Legend, Surface, Wanted};
 
@@ -26,6 +26,10 @@ pub enum Tileset {
     R32,
     /// Shaded relief as grey PNG, light from the north-west.
     Hillshade,
+    /// How steep the ground is as grey PNG, in half degrees.
+    Slope,
+    /// Which way the ground faces as RGB PNG: east, north and up, -1 … 1 as 0 … 255.
+    Normals,
     /// The share of each sample that lies under water as grey PNG: 0 dry, 255 all of it.
     Water,
     /// Numbers of materials as grey PNG: 0 none, n the one at n - 1 of the legend.
@@ -92,7 +96,7 @@ pub enum EncodeError {
 
 impl Tileset {
     /// Every tileset.
-    pub const ALL: [Tileset; 14] = [
+    pub const ALL: [Tileset; 16] = [
         Tileset::Terrarium,
         Tileset::TerrainRgb,
         Tileset::Fit,
@@ -100,6 +104,8 @@ impl Tileset {
         Tileset::R16,
         Tileset::R32,
         Tileset::Hillshade,
+        Tileset::Slope,
+        Tileset::Normals,
         Tileset::Water,
         Tileset::Materials,
         Tileset::Weights(0),
@@ -120,6 +126,8 @@ impl Tileset {
             Tileset::R16 => "r16",
             Tileset::R32 => "r32",
             Tileset::Hillshade => "hillshade",
+            Tileset::Slope => "slope",
+            Tileset::Normals => "normals",
             Tileset::Water => "water",
             Tileset::Materials => "materials",
             Tileset::Weights(_) => "weights",
@@ -224,6 +232,8 @@ impl Tileset {
             Tileset::R16 => "r16.bin 1",
             Tileset::R32 => "r32.bin 1",
             Tileset::Hillshade => "hillshade.png 1",
+            Tileset::Slope => "slope.png 1",
+            Tileset::Normals => "normals.png 1",
             Tileset::Water => "water.png 1",
             Tileset::Materials => "materials.png 1",
             Tileset::Weights(_) => "weights.png 1",
@@ -248,7 +258,7 @@ impl Tileset {
     #[must_use]
     pub fn apron(self) -> usize {
         match self {
-            Tileset::Hillshade | Tileset::Water | Tileset::Relief | Tileset::QuantizedMesh => 1,
+            Tileset::Hillshade | Tileset::Slope | Tileset::Normals | Tileset::Water | Tileset::Relief | Tileset::QuantizedMesh => 1,
             Tileset::Contours | Tileset::Features => contours::APRON,
             _ => 0,
         }
@@ -270,7 +280,8 @@ impl Tileset {
     /// Whether it draws heights, of the ground or of the water's surface.
     #[must_use]
     pub fn has_height(self) -> bool {
-        matches!(self, Tileset::Terrarium | Tileset::TerrainRgb | Tileset::Fit | Tileset::Hillshade | Tileset::QuantizedMesh) || self.has_sidecar()
+        let is_shape = matches!(self, Tileset::Hillshade | Tileset::Slope | Tileset::Normals | Tileset::QuantizedMesh);
+        is_shape || matches!(self, Tileset::Terrarium | Tileset::TerrainRgb | Tileset::Fit) || self.has_sidecar()
     }
 
     /// Encodes a surface that has this tileset's apron around it and what it [wants](Tileset::wanted); `spacing` in metres.
@@ -302,6 +313,8 @@ impl Tileset {
                 let steps = Steps::of_16_bits(legend.range);
                 whole(Pixels::Grey16, rows_of(surface, rows).flat_map(|elevation| (steps.number(elevation) as u16).to_ne_bytes()).collect())
             }
+            Tileset::Slope => inner(Pixels::Grey, slope::half_degrees(surface, spacing)),
+            Tileset::Normals => inner(Pixels::Rgb, slope::normals(surface, spacing)),
             Tileset::Water => inner(Pixels::Grey, water::greys(surface, spacing, legend.sea_level as f32)),
             Tileset::Materials => whole(Pixels::Grey, materials::numbers(surface)),
             Tileset::Weights(_) => whole(Pixels::Channels, surface.weights.as_flattened().to_vec()),

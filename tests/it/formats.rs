@@ -77,6 +77,29 @@ fn vertex_tiles_of_engines_share_their_edges_to_the_bit() {
     }
 }
 
+/// Slopes and normals at the edge come from samples beyond it, which are the neighbour's own.
+#[test]
+fn slopes_and_normals_of_neighbours_agree_on_their_edge() {
+    let world = world("ridges-rivers-and-lakes");
+    for (tileset, channels) in [(Tileset::Slope, 1), (Tileset::Normals, 3), (Tileset::Hillshade, 1)] {
+        for (grid, tile) in
+            [(Grid::Metric, Tile { z: 15, x: 3, y: -2 }), (Grid::Web, Tile { z: 12, x: 2050, y: 2040 }), (Grid::Geo, Tile { z: 11, x: 2050, y: 1020 })]
+        {
+            let of = |x, y| {
+                let bytes = render(&world, &request(grid, Tile { z: tile.z, x, y }, Samples::Vertices(129), tileset)).unwrap();
+                PngDecoder::new(ZCursor::new(bytes)).decode_raw().unwrap()
+            };
+            let (here, east, south) = (of(tile.x, tile.y), of(tile.x + 1, tile.y), of(tile.x, tile.y + 1));
+            assert_eq!(here.len(), 129 * 129 * channels);
+            assert_eq!(here[128 * 129 * channels..], south[..129 * channels], "{tileset:?} south");
+            for row in 0..129 {
+                let at = |column: usize| (row * 129 + column) * channels..(row * 129 + column + 1) * channels;
+                assert_eq!(here[at(128)], east[at(0)], "{tileset:?} east, row {row}");
+            }
+        }
+    }
+}
+
 #[test]
 fn webp_holds_the_pixels_of_png() {
     let world = world("ridges-rivers-and-lakes");

@@ -43,6 +43,8 @@ fn lines() -> String {
             (Tileset::Terrarium, plain),
             (Tileset::TerrainRgb, plain),
             (Tileset::Hillshade, plain),
+            (Tileset::Slope, plain),
+            (Tileset::Normals, plain),
             (Tileset::Fit, plain),
             (Tileset::Height16, plain),
             (Tileset::TerrainRgb, webp),

@@ -14,7 +14,7 @@ async fn a_new_server_has_the_example_worlds_with_their_tilesets() {
     assert_eq!(names, ["alps", "archipelago", "archipelago-endless", "dunes", "eq2", "hills", "mesas", "ridges-and-rivers", "ridges-rivers-and-lakes"]);
     assert_eq!(worlds[0]["title"], "Alps");
     assert_eq!(worlds[0]["tilesets"][0], json!({"grid": "web", "tileset": "terrarium", "tilejson": "http://localhost:8080/worlds/alps/web/terrarium"}));
-    assert_eq!(worlds[0]["tilesets"].as_array().unwrap().len(), 41);
+    assert_eq!(worlds[0]["tilesets"].as_array().unwrap().len(), 47);
     let list = client.get("/worlds").await.json();
     assert_eq!(list["worlds"][5]["revision"], worlds[5]["revision"]);
     assert!(list["worlds"][5].get("tilesets").is_none());
@@ -23,7 +23,7 @@ async fn a_new_server_has_the_example_worlds_with_their_tilesets() {
 #[tokio::test]
 async fn tilejson_leads_to_tiles_that_never_change() {
     let client = Client::new().await;
-    for tileset in ["terrarium", "terrain-rgb", "fit", "height16", "r16", "r32", "hillshade", "water", "materials", "weights", "relief"] {
+    for tileset in ["terrarium", "terrain-rgb", "fit", "height16", "r16", "r32", "hillshade", "slope", "normals", "water", "materials", "weights", "relief"] {
         for grid in ["web", "geo", "metric"] {
             let tilejson = client.get(&format!("/worlds/hills/{grid}/{tileset}")).await.json();
             assert_eq!((&tilejson["tilejson"], &tilejson["tileSize"], &tilejson["maxzoom"]), (&json!("3.0.0"), &json!(512), &json!(24)));
@@ -129,7 +129,7 @@ async fn wrong_requests_are_told_what_would_be_right() {
         ("/worlds/alps/mercator/terrarium/1/0/0.png", "404 grid: no grid is named \"mercator\"; there are web, geo, metric"),
         (
             "/worlds/alps/web/terrain/1/0/0.png",
-            "404 tileset: no tileset is named \"terrain\"; there are terrarium, terrain-rgb, fit, height16, r16, r32, hillshade, water, materials, weights, relief, contours, features, quantized-mesh",
+            "404 tileset: no tileset is named \"terrain\"; there are terrarium, terrain-rgb, fit, height16, r16, r32, hillshade, slope, normals, water, materials, weights, relief, contours, features, quantized-mesh",
         ),
         ("/worlds/alps/web/terrarium/31/0/0.png", "404 z: zoom must be 0 … 30, got 31"),
         ("/worlds/alps/web/terrarium/-1/0/0.png", "404 z: zoom must be 0 … 30, got -1"),
