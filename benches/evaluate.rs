@@ -10,7 +10,7 @@ use terrane::{
     geometry::{Filter, Grid, Samples, Tile, Window},
     noise::Isa,
     programme::{Frame, Programme, Reference, Tape},
-    tile::{Height, TileRequest, Tileset, render},
+    tile::{Height, Options, TileRequest, Tileset, render},
     world::{Document, EXAMPLES, World},
 };
 
@@ -139,7 +139,7 @@ fn tiles(c: &mut Criterion) {
         let world = World::new(Document::parse(example.json.as_bytes()).unwrap());
         for tileset in [Tileset::Terrarium, Tileset::R32] {
             let (tile, samples) = (Tile { z: 10, x: 515, y: 509 }, Samples::Centres(256));
-            let request = TileRequest { grid: Grid::Web, tile, samples, filter: Filter::Band, tileset, height: Height::Ground };
+            let request = TileRequest { grid: Grid::Web, tile, samples, filter: Filter::Band, tileset, height: Height::Ground, options: Options::default() };
             group.bench_function(format!("{} {}", example.name, tileset.name()), |b| b.iter(|| render(&world, black_box(&request)).unwrap()));
         }
     }

@@ -6,7 +6,7 @@
 //! ```
 //! use terrane::{
 //!     geometry::{Filter, Grid, Samples, Tile},
-//!     tile::{Height, TileRequest, Tileset, render},
+//!     tile::{Height, Options, TileRequest, Tileset, render},
 //!     world::{Document, World},
 //! };
 //! let document = Document::parse(br#"{"seed": 7, "base": {"programme": "ridged_multifractal(1, 2, 8, 1, 2)", "scale": 20000}}"#)?;
@@ -17,6 +17,7 @@
 //!     filter: Filter::Band,
 //!     tileset: Tileset::R32,
 //!     height: Height::Ground,
+//!     options: Options::default(),
 //! };
 //! let heights = render(&World::new(document), &request)?;
 //! assert_eq!(heights.len(), 257 * 257 * 4);

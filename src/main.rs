@@ -16,7 +16,7 @@ use terrane::{
     noise::Isa,
     server::{self, Config},
     store::{Kind, Store},
-    tile::{Height, Tileset, write_geotiff},
+    tile::{Height, Options, Tileset, write_geotiff},
     world::{Document, FeatureSets, World},
 };
 use tracing_subscriber::EnvFilter;
@@ -239,7 +239,7 @@ fn render(arguments: &RenderArguments) -> anyhow::Result<()> {
     let evaluate = |window: &Window, wanted: Wanted| world.evaluate_parallel_with(window, Wanted { water: wanted.water || height == Height::Water, ..wanted });
     if let Some(tileset) = tileset {
         let surface = evaluate(&window.with_apron(tileset.apron()), tileset.wanted());
-        fs::write(&arguments.output, tileset.encode_height(surface, window.spacing(), &world.legend(), height)?).with_context(writing)?;
+        fs::write(&arguments.output, tileset.encode_height(surface, window.spacing(), &world.legend(), height, Options::default())?).with_context(writing)?;
     } else {
         let mut file = BufWriter::new(File::create(&arguments.output).with_context(writing)?);
         let mut surface = evaluate(&window, Wanted::default());

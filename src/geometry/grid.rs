@@ -11,11 +11,16 @@ pub const MAX_SIDE: usize = 1025;
 /// Metres of a pixel of a 256-pixel tile at zoom 0 of [`Grid::Web`].
 const WEB_PIXEL: f64 = 156_543.033_928_040_97;
 
+/// Metres of a degree of longitude or latitude on [`Grid::Geo`].
+pub const DEGREE: f64 = WEB_PIXEL * 256.0 / 360.0;
+
 /// A way to cut the plane into tiles, addressed as XYZ with y to the south; x and y are signed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Grid {
     /// `WebMercatorQuad`: the plane's origin is the middle of tile 0/0/0.
     Web,
+    /// `WorldCRS84Quad`: 2^(z + 1) × 2^z tiles, plate carrée with [`DEGREE`] m to a degree; the plane's origin is longitude 0, latitude 0.
+    Geo,
     /// Tile sides of 2^(25 - z) m; the plane's origin is the north-west corner of tile (0, 0) at every zoom.
     Metric,
 }
@@ -82,13 +87,14 @@ pub enum GridError {
 
 impl Grid {
     /// Every grid.
-    pub const ALL: [Grid; 2] = [Grid::Web, Grid::Metric];
+    pub const ALL: [Grid; 3] = [Grid::Web, Grid::Geo, Grid::Metric];
 
     /// The name in URLs.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Grid::Web => "web",
+            Grid::Geo => "geo",
             Grid::Metric => "metric",
         }
     }
@@ -104,23 +110,28 @@ impl Grid {
     pub fn tile_side(self, z: u8) -> f64 {
         let level_0 = match self {
             Grid::Web => WEB_PIXEL * 256.0,
+            Grid::Geo => WEB_PIXEL * 128.0,
             Grid::Metric => 33_554_432.0,
         };
         level_0 / (1_u64 << z) as f64
     }
 
-    /// First and last column or row whose tiles lie wholly within [`PLANE_LIMIT`] of the origin.
-    fn span(self, z: u8) -> (i64, i64) {
-        let middle = self.middle(z);
-        let reach = |tiles: f64| (PLANE_LIMIT / self.tile_side(z) + tiles).floor() as i64;
-        (-reach(-middle), reach(middle) - 1)
+    /// First and last column and row whose tiles lie wholly within [`PLANE_LIMIT`] of the origin.
+    fn span(self, z: u8) -> [(i64, i64); 2] {
+        self.size(z).map(|tiles| {
+            let reach = |middle: f64| (PLANE_LIMIT / self.tile_side(z) + middle).floor() as i64;
+            let middle = tiles as f64 / 2.0;
+            (-reach(-middle), reach(middle) - 1)
+        })
     }
 
-    /// Tiles from the first column (or row) of the grid's own range to the plane's origin.
-    fn middle(self, z: u8) -> f64 {
+    /// Columns and rows of the grid's own range, which the plane's origin is the middle of; none on `metric`, whose tiles go on the same everywhere.
+    #[must_use]
+    pub fn size(self, z: u8) -> [i64; 2] {
         match self {
-            Grid::Web => (1_u64 << z) as f64 / 2.0,
-            Grid::Metric => 0.0,
+            Grid::Web => [1 << z, 1 << z],
+            Grid::Geo => [2 << z, 1 << z],
+            Grid::Metric => [0, 0],
         }
     }
 
@@ -133,8 +144,9 @@ impl Grid {
         if z > MAX_ZOOM {
             return Err(GridError::Zoom(z.into()));
         }
-        let span = self.span(z);
-        if (span.0..=span.1).contains(&x) && (span.0..=span.1).contains(&y) { Ok(()) } else { Err(GridError::Far { z, x, y, columns: span, rows: span }) }
+        let [columns, rows] = self.span(z);
+        let is_within = (columns.0..=columns.1).contains(&x) && (rows.0..=rows.1).contains(&y);
+        if is_within { Ok(()) } else { Err(GridError::Far { z, x, y, columns, rows }) }
     }
 
     /// The samples of a tile.
@@ -151,15 +163,12 @@ impl Grid {
         let intervals = samples.intervals();
         assert!(intervals > 0 && samples.side() <= MAX_SIDE, "{samples:?}");
         let half_spacing = self.tile_side(tile.z) / (2 * intervals) as f64;
-        let middle = match self {
-            Grid::Web => intervals << tile.z,
-            Grid::Metric => 0,
-        };
+        let [columns, rows] = self.size(tile.z);
         let into = i64::from(matches!(samples, Samples::Centres(_)));
-        let first = |tiles: i64| 2 * intervals * tiles - middle + into;
+        let first = |at: i64, size: i64| intervals * (2 * at - size) + into;
         Ok(Window {
-            columns: Axis::new(first(tile.x), 2, half_spacing, 0.0, samples.side()),
-            rows: Axis::new(-first(tile.y), -2, half_spacing, 0.0, samples.side()),
+            columns: Axis::new(first(tile.x, columns), 2, half_spacing, 0.0, samples.side()),
+            rows: Axis::new(-first(tile.y, rows), -2, half_spacing, 0.0, samples.side()),
             filter,
         })
     }
@@ -191,6 +200,16 @@ mod tests {
     }
 
     #[test]
+    fn the_geo_grid_has_two_roots_and_ends_at_the_poles() {
+        let west = window(Grid::Geo, 0, 0, 0, Samples::Vertices(181));
+        assert_eq!((west.columns.coordinate(180), west.rows.coordinate(90)), (0.0, 0.0), "they meet at longitude 0");
+        assert_eq!((west.columns.coordinate(0), west.rows.coordinate(0)), (-180.0 * DEGREE, 90.0 * DEGREE));
+        assert_eq!(DEGREE, 111_319.490_793_273_58);
+        let deep = window(Grid::Geo, 3, 9, 2, Samples::Vertices(2));
+        assert_eq!((deep.columns.coordinate(0), deep.rows.coordinate(0)), (22.5 * DEGREE, 45.0 * DEGREE));
+    }
+
+    #[test]
     fn levels_share_the_coordinates_of_shared_vertices() {
         for grid in Grid::ALL {
             for n in [257, 505, 1009] {
@@ -209,12 +228,13 @@ mod tests {
     fn tiles_end_where_the_plane_ends() {
         for grid in Grid::ALL {
             for z in [0, 1, 7, 30] {
-                let (first, last) = grid.span(z);
-                assert!(grid.check(Tile { z, x: first, y: last }).is_ok());
-                assert!(matches!(grid.check(Tile { z, x: last + 1, y: 0 }), Err(GridError::Far { .. })));
-                assert!(matches!(grid.check(Tile { z, x: 0, y: first - 1 }), Err(GridError::Far { .. })));
+                let [columns, rows] = grid.span(z);
+                let (x, y) = (columns.1, rows.1);
+                assert!(grid.check(Tile { z, x: columns.0, y }).is_ok());
+                assert!(matches!(grid.check(Tile { z, x: x + 1, y: 0 }), Err(GridError::Far { .. })));
+                assert!(matches!(grid.check(Tile { z, x: 0, y: rows.0 - 1 }), Err(GridError::Far { .. })));
                 assert!(matches!(grid.check(Tile { z, x: i64::MIN, y: i64::MAX }), Err(GridError::Far { .. })));
-                let edge = window(grid, z, last, last, Samples::Vertices(2));
+                let edge = window(grid, z, x, y, Samples::Vertices(2));
                 assert!(edge.columns.coordinate(1) <= PLANE_LIMIT && edge.columns.coordinate(2) > PLANE_LIMIT);
             }
         }

@@ -7,7 +7,7 @@ mod shape;
 mod surface;
 mod window;
 
-pub use grid::{Grid, GridError, MAX_SIDE, MAX_ZOOM, Samples, Tile};
+pub use grid::{DEGREE, Grid, GridError, MAX_SIDE, MAX_ZOOM, Samples, Tile};
 pub use mercator::{MAX_LATITUDE, from_lon_lat, to_lon_lat};
 pub use rectangle::Rectangle;
 pub use shape::{Along, Chord, Curve, Detail, Edge, EdgeDetail, Elevation, MAX_ITERATIONS, MAX_VERTICES, Nearest, Shape, ShapeError, crosses};

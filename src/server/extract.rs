@@ -7,9 +7,7 @@ use super::{
     worlds::Live,
 };
 use crate::{
-    geometry::{Filter, Grid, MAX_SIDE, MAX_ZOOM, Samples, Tile},
     store::Condition,
-    tile::{Height, TileRequest, Tileset},
     world::{Revision, check_name},
 };
 use axum::{
@@ -17,11 +15,11 @@ use axum::{
     extract::{FromRequest, FromRequestParts, Path, Query, Request, rejection::BytesRejection},
     http::{HeaderMap, StatusCode, header, request::Parts},
 };
-use serde::{Deserialize, de::DeserializeOwned};
+use serde::de::DeserializeOwned;
 use std::{collections::HashMap, marker::PhantomData, sync::Arc};
 
 /// Path parameters by name.
-async fn path(parts: &mut Parts) -> Result<HashMap<String, String>, ApiError> {
+pub(super) async fn path(parts: &mut Parts) -> Result<HashMap<String, String>, ApiError> {
     match Path::<HashMap<String, String>>::from_request_parts(parts, &()).await {
         Ok(Path(parameters)) => Ok(parameters),
         Err(_) => Err(ApiError::NotFound("There is nothing at a path that is not UTF-8.".to_owned(), Vec::new())),
@@ -137,121 +135,6 @@ impl FromRequestParts<App> for FeatureAt {
 fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
     let (distance, near) = candidates.map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate)).min()?;
     (distance <= 2).then(|| near.to_owned())
-}
-
-/// The grid and tileset of a path.
-pub(super) struct TilesetPath {
-    pub grid: Grid,
-    pub tileset: Tileset,
-}
-
-impl TilesetPath {
-    fn parse(parameters: &HashMap<String, String>) -> Result<Self, ApiError> {
-        let get = |name: &str| parameters.get(name).map_or("", String::as_str);
-        let (grid, tileset) = (get("grid"), get("tileset"));
-        let list = |names: Vec<&str>| names.join(", ");
-        let grid = Grid::from_name(grid).ok_or_else(|| {
-            ApiError::absent("grid", format!("no grid is named {grid:?}; there are {}", list(Grid::ALL.iter().map(|grid| grid.name()).collect())))
-        })?;
-        let tileset = Tileset::from_name(tileset).ok_or_else(|| {
-            let all = list(Tileset::ALL.iter().map(|tileset| tileset.name()).collect());
-            ApiError::absent("tileset", format!("no tileset is named {tileset:?}; there are {all}"))
-        })?;
-        Ok(Self { grid, tileset })
-    }
-}
-
-impl FromRequestParts<App> for TilesetPath {
-    type Rejection = ApiError;
-
-    async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
-        Self::parse(&path(parts).await?)
-    }
-}
-
-/// How the samples of a tile are filtered.
-#[derive(Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TileQuery {
-    filter: Option<String>,
-    surface: Option<String>,
-    page: Option<String>,
-}
-
-/// A tile that there is.
-pub(super) struct TilePath(pub TileRequest);
-
-impl FromRequestParts<App> for TilePath {
-    type Rejection = ApiError;
-
-    async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, ApiError> {
-        let parameters = path(parts).await?;
-        let Known(query) = Known::<TileQuery>::from_request_parts(parts, app).await?;
-        let TilesetPath { grid, tileset } = TilesetPath::parse(&parameters)?;
-        let get = |name: &str| parameters.get(name).map_or("", String::as_str);
-        let (y, samples) = parse_file(get("y"), tileset)?;
-        let tile = Tile { z: parse_zoom(get("z"))?, x: parse_index("x", get("x"))?, y };
-        grid.check(tile).map_err(|error| ApiError::absent("tile", error.to_string()))?;
-        let filter = match query.filter.as_deref() {
-            None | Some("band") => Filter::Band,
-            Some("exact") => Filter::Exact,
-            Some(other) => return Err(ApiError::parameter("filter", format!("must be band or exact, got {other:?}"))),
-        };
-        let height = match query.surface.as_deref() {
-            None | Some("ground") => Height::Ground,
-            Some("water") if tileset.has_height() => Height::Water,
-            Some("water") => return Err(ApiError::parameter("surface", format!("{} draws no heights: leave it out", tileset.name()))),
-            Some(other) => return Err(ApiError::parameter("surface", format!("must be ground or water, got {other:?}"))),
-        };
-        let tileset = paged(tileset, query.page.as_deref())?;
-        Ok(Self(TileRequest { grid, tile, samples, filter, tileset, height }))
-    }
-}
-
-/// The page of a tileset that has pages.
-pub(super) fn paged(tileset: Tileset, page: Option<&str>) -> Result<Tileset, ApiError> {
-    match (tileset, page) {
-        (tileset, None) => Ok(tileset),
-        (Tileset::Weights(_), Some(page)) => {
-            let number = page.parse::<u8>().ok().filter(|number| *number < 64);
-            number.map(Tileset::Weights).ok_or_else(|| ApiError::parameter("page", format!("must be a whole number 0 … 63, got {page:?}")))
-        }
-        (tileset, Some(_)) => Err(ApiError::parameter("page", format!("{} has no pages: leave it out", tileset.name()))),
-    }
-}
-
-fn parse_zoom(z: &str) -> Result<u8, ApiError> {
-    let number: i64 = parse_index("z", z)?;
-    let zoom = u8::try_from(number).ok().filter(|zoom| *zoom <= MAX_ZOOM);
-    zoom.ok_or_else(|| ApiError::absent("z", format!("zoom must be 0 … {MAX_ZOOM}, got {z}")))
-}
-
-fn parse_index(name: &str, text: &str) -> Result<i64, ApiError> {
-    let digits = text.strip_prefix('-').unwrap_or(text);
-    if digits.is_empty() || digits.len() > 64 || !digits.bytes().all(|b| b.is_ascii_digit()) {
-        return Err(ApiError::parameter(name, format!("must be a whole number, got {:?}", text.chars().take(64).collect::<String>())));
-    }
-    // What does not fit is beyond the plane as well, which the grid says better.
-    Ok(text.parse().unwrap_or(if text.starts_with('-') { i64::MIN } else { i64::MAX }))
-}
-
-/// Row, samples and extension: `5.png`, `5@2x.png`, `5@257.bin`.
-fn parse_file(file: &str, tileset: Tileset) -> Result<(i64, Samples), ApiError> {
-    let (stem, extension) = file.rsplit_once('.').unwrap_or((file, ""));
-    let wanted = tileset.extension();
-    if extension != wanted {
-        return Err(ApiError::absent("y", format!("tiles of {} end in .{wanted}, got {file:?}", tileset.name())));
-    }
-    // Vector tiles are drawn from vertices, which neighbours share.
-    let pixels = |side: usize| if tileset.layers().is_empty() { Samples::Centres(side) } else { Samples::Vertices(side + 1) };
-    let Some((row, samples)) = stem.split_once('@') else { return Ok((parse_index("y", stem)?, pixels(256))) };
-    let row = parse_index("y", row)?;
-    let side = samples.parse::<usize>().ok().filter(|side| (2..=MAX_SIDE).contains(side));
-    match (samples, side) {
-        ("2x", _) => Ok((row, pixels(512))),
-        (_, Some(side)) => Ok((row, Samples::Vertices(side))),
-        _ => Err(ApiError::absent("y", format!("after @ comes 2x (512 pixels) or a number of vertices a side, 2 … {MAX_SIDE}; got {samples:?}"))),
-    }
 }
 
 /// The conditions of a write.

@@ -1,5 +1,6 @@
 //! HTTP: parse, call, answer.
 
+mod address;
 mod compute;
 mod config;
 mod connections;
@@ -18,8 +19,10 @@ mod search;
 mod serve;
 mod sets;
 mod shelf;
+mod sidecar;
 mod state;
 mod style;
+mod tilejson;
 mod tiles;
 mod upload;
 mod worlds;

@@ -3,7 +3,7 @@
 use super::{
     compute::panic_message,
     error::ApiError,
-    handler::{catalog, description, elevation, feature, feature_edit, health, programme, shader, tile, viewer, world},
+    handler::{catalog, description, elevation, feature, feature_edit, health, layer, programme, shader, tile, viewer, world},
     state::App,
 };
 use axum::{
@@ -59,6 +59,7 @@ fn documented() -> OpenApiRouter<App> {
         .routes(routes!(shader::get_glsl))
         .routes(routes!(shader::get_wgsl))
         .routes(routes!(tile::get_tilejson))
+        .routes(routes!(layer::get_layer))
         .routes(routes!(tile::get_tile))
 }
 

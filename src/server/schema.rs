@@ -1,7 +1,6 @@
 //! The JSON that goes over the wire, as `OpenAPI` describes it.
 
 use serde::Serialize;
-use std::collections::BTreeMap;
 use utoipa::ToSchema;
 
 /// A world document. Requests may leave out what has a default; responses hold every field.
@@ -200,65 +199,6 @@ pub(super) struct RevisionSchema {
     pub time: String,
     /// First 32 hex digits of SHA-256 of the document in canonical form (RFC 8785).
     pub revision: String,
-}
-
-/// `TileJSON` 3.0 with the keys that `MapLibre` reads beside the standard's.
-#[derive(Serialize, ToSchema)]
-pub(super) struct TileJson {
-    pub tilejson: &'static str,
-    pub name: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub description: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub attribution: Option<String>,
-    pub scheme: &'static str,
-    /// One absolute URL template.
-    pub tiles: [String; 1],
-    pub minzoom: u8,
-    pub maxzoom: u8,
-    /// Longitude, latitude and zoom of a view with relief (`web`); x, y and zoom in metres on `metric`.
-    pub center: [f64; 3],
-    /// Pixels a side; not there for vector tiles.
-    #[serde(rename = "tileSize", skip_serializing_if = "Option::is_none")]
-    pub tile_size: Option<u32>,
-    /// The layers of vector tiles.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub vector_layers: Option<Vec<VectorLayerSchema>>,
-    /// How elevation is packed; not there for pictures.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub encoding: Option<&'static str>,
-    /// What the numbers of `materials` mean, the channels of `weights`, and the colours of `relief`; 0 is none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub materials: Option<Vec<MaterialSchema>>,
-    /// How many pages `weights` has; the tiles here are those of one page.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pages: Option<usize>,
-}
-
-/// A material of the ground.
-#[derive(Serialize, ToSchema)]
-#[schema(as = Material)]
-pub(super) struct MaterialSchema {
-    /// Its number in tiles, 1 … 255; 0 in `weights` is ground of no material.
-    pub id: usize,
-    pub name: String,
-    /// `#rrggbb`.
-    pub colour: String,
-    /// The page of `weights` that has it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub page: Option<usize>,
-    /// The channel of that page: `r`, `g`, `b` or `a`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub channel: Option<&'static str>,
-}
-
-/// A layer of vector tiles.
-#[derive(Serialize, ToSchema)]
-pub(super) struct VectorLayerSchema {
-    pub id: &'static str,
-    pub description: &'static str,
-    /// The properties of its features: what they are, by name.
-    pub fields: BTreeMap<String, &'static str>,
 }
 
 /// The ground at a point, in metres.

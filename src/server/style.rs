@@ -1,19 +1,19 @@
 //! A world as a `MapLibre` style.
 
-use super::{shelf::Shelved, worlds::Live};
-use crate::tile::{Ramp, Tileset};
+use super::{shelf::Shelved, tilejson::Factors, worlds::Live};
+use crate::{
+    geometry::Source,
+    tile::{Ramp, Tileset},
+};
 use serde_json::{Value, json};
 
 /// Colour relief under hillshade, from two sources of the same tiles: `MapLibre` draws terrain and hillshade best from one each.
 ///
-/// Contours and features lie over them, not shown until somebody makes them visible. `tiles` gives the address of a tileset's tiles.
-pub(super) fn style(live: &Live, tiles: impl Fn(Tileset) -> String, max_zoom: u8, [longitude, latitude, zoom]: [f64; 3]) -> Value {
+/// Contours and features lie over them, not shown until somebody makes them visible. `heights` is the tileset that heights are read from, `tiles` gives the
+/// address of a tileset's tiles.
+pub(super) fn style(live: &Live, heights: Tileset, tiles: impl Fn(Tileset) -> String, max_zoom: u8, [longitude, latitude, zoom]: [f64; 3]) -> Value {
     let document = live.world.document();
-    let mut source =
-        json!({"type": "raster-dem", "tiles": [tiles(Tileset::Terrarium)], "tileSize": 512, "encoding": "terrarium", "minzoom": 0, "maxzoom": max_zoom});
-    if let Some(attribution) = &document.attribution {
-        source["attribution"] = json!(attribution);
-    }
+    let source = elevation(live, heights, &tiles, max_zoom);
     let vector = |tileset| json!({"type": "vector", "tiles": [tiles(tileset)], "minzoom": 0, "maxzoom": max_zoom});
     let mut style = json!({
         "version": 8,
@@ -47,6 +47,22 @@ pub(super) fn style(live: &Live, tiles: impl Fn(Tileset) -> String, max_zoom: u8
         }
     }
     style
+}
+
+/// A source of heights.
+fn elevation(live: &Live, heights: Tileset, tiles: impl Fn(Tileset) -> String, max_zoom: u8) -> Value {
+    let mut source =
+        json!({"type": "raster-dem", "tiles": [tiles(heights)], "tileSize": 512, "encoding": heights.encoding(), "minzoom": 0, "maxzoom": max_zoom});
+    if let Some(attribution) = &live.world.document().attribution {
+        source["attribution"] = json!(attribution);
+    }
+    if let (Tileset::Fit, Some(steps)) = (heights, heights.steps(live.world.legend().range)) {
+        let Factors { red_factor, green_factor, blue_factor, base_shift } = Factors::of(&steps);
+        for (key, value) in [("redFactor", red_factor), ("greenFactor", green_factor), ("blueFactor", blue_factor), ("baseShift", base_shift)] {
+            source[key] = json!(value);
+        }
+    }
+    source
 }
 
 fn line(source: &str, filter: &Value, colour: &str, width: f64) -> Value {

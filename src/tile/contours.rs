@@ -164,7 +164,7 @@ mod tests {
     use super::*;
     use crate::{
         geometry::{Filter, Samples, Source, Tile},
-        tile::{Height, TileRequest, Tileset, mvt::tests, render},
+        tile::{Height, Options, TileRequest, Tileset, mvt::tests, render},
     };
 
     /// Smooth hills whose elevations are known everywhere.
@@ -181,8 +181,15 @@ mod tests {
 
     fn tile(x: i64, y: i64, side: usize) -> Vec<tests::Read> {
         let tile = Tile { z: 9, x, y };
-        let request =
-            TileRequest { grid: Grid::Web, tile, samples: Samples::Vertices(side), filter: Filter::Exact, tileset: Tileset::Contours, height: Height::Ground };
+        let request = TileRequest {
+            grid: Grid::Web,
+            tile,
+            samples: Samples::Vertices(side),
+            filter: Filter::Exact,
+            tileset: Tileset::Contours,
+            height: Height::Ground,
+            options: Options::default(),
+        };
         tests::read(&render(&Hills, &request).expect("drawn"))
     }
 

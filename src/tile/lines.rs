@@ -197,7 +197,7 @@ mod tests {
     use super::*;
     use crate::{
         geometry::{Filter, Grid, Samples, Tile},
-        tile::{Height, Tileset, mvt::tests},
+        tile::{Height, Options, Tileset, mvt::tests},
         world::Document,
     };
 
@@ -221,6 +221,7 @@ mod tests {
             filter: Filter::Band,
             tileset: Tileset::Features,
             height: Height::Ground,
+            options: Options::default(),
         };
         tests::read(&render_features(world, &request).expect("drawn"))
     }

@@ -1,6 +1,10 @@
 //! A picture of terrain that nobody has seen yet.
 
-use super::{EncodeError, png, relief};
+use super::{
+    EncodeError, Image,
+    raster::{Pixels, Raster},
+    relief,
+};
 use crate::{
     analysis,
     geometry::{Source, Surface, Window},
@@ -34,7 +38,8 @@ pub fn preview(source: &impl Source, window: &Window, sea_level: f64) -> Result<
     source.sample(&grown, &mut surface);
     let ramp = Ramp::over(sea_level, bulk(&surface).map(f64::from));
     let spacing = window.spacing() / stretch(&surface, window.spacing(), sea_level as f32);
-    png::colours(window.columns.len(), window.rows.len(), &relief::draw(&surface, spacing, &ramp))
+    let size = [window.columns.len(), window.rows.len()];
+    Raster { size, pixels: Pixels::Rgb, bytes: relief::draw(&surface, spacing, &ramp) }.encode(Image::Png)
 }
 
 /// Elevations that 0.5 % and 99.5 % of the samples lie below: one needle of rock must not take the colours from all the rest.

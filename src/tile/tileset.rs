@@ -1,7 +1,13 @@
 //! The ways a surface is drawn as a tile.
 
-use super::{Height, Ramp, contours, hillshade, lines::LAYERS, materials, png, relief, rgb, water};
-use crate::geometry::{Legend, Surface, Wanted};
+use super::{
+    ByteOrder, Height, Image, Options, Ramp, RowOrder, Steps, contours, hillshade,
+    lines::LAYERS,
+    materials,
+    raster::{Pixels, Raster},
+    relief, rgb, slope, steps, water,
+};
+use crate::geometry::{Grid, Legend, Surface, Wanted};
 
 /// A way to draw a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -10,10 +16,20 @@ pub enum Tileset {
     Terrarium,
     /// Elevation in 1/10 m as RGB, PNG: -10000 + (R·65536 + G·256 + B)/10.
     TerrainRgb,
-    /// Elevation in metres as little-endian f32, row by row from the north.
+    /// Elevation in 2^24 - 1 steps over the world's vertical range as RGB, PNG: `MapLibre`'s `custom` encoding.
+    Fit,
+    /// Elevation in 65,535 steps over the world's vertical range as grey of 16 bits, PNG.
+    Height16,
+    /// Elevation in 65,535 steps over the world's vertical range as raw u16, row by row.
+    R16,
+    /// Elevation in metres as raw f32, row by row.
     R32,
     /// Shaded relief as grey PNG, light from the north-west.
     Hillshade,
+    /// How steep the ground is as grey PNG, in half degrees.
+    Slope,
+    /// Which way the ground faces as RGB PNG: east, north and up, -1 … 1 as 0 … 255.
+    Normals,
     /// The share of each sample that lies under water as grey PNG: 0 dry, 255 all of it.
     Water,
     /// Numbers of materials as grey PNG: 0 none, n the one at n - 1 of the legend.
@@ -26,6 +42,8 @@ pub enum Tileset {
     Contours,
     /// Features of layers as a vector tile.
     Features,
+    /// Triangles on the globe, on [`Grid::Geo`] and [`Grid::Web`]: quantized-mesh-1.0.
+    QuantizedMesh,
 }
 
 /// A layer of vector tiles.
@@ -68,6 +86,9 @@ pub enum EncodeError {
     /// The image encoder refused.
     #[error("encoding the image: {0}")]
     Image(#[from] image::ImageError),
+    /// The `WebP` encoder refused.
+    #[error("encoding the WebP: {0}")]
+    Webp(#[from] image_webp::EncodingError),
     /// The TIFF encoder refused.
     #[error("encoding the TIFF: {0}")]
     Tiff(#[from] tiff::TiffError),
@@ -75,17 +96,23 @@ pub enum EncodeError {
 
 impl Tileset {
     /// Every tileset.
-    pub const ALL: [Tileset; 10] = [
+    pub const ALL: [Tileset; 16] = [
         Tileset::Terrarium,
         Tileset::TerrainRgb,
+        Tileset::Fit,
+        Tileset::Height16,
+        Tileset::R16,
         Tileset::R32,
         Tileset::Hillshade,
+        Tileset::Slope,
+        Tileset::Normals,
         Tileset::Water,
         Tileset::Materials,
         Tileset::Weights(0),
         Tileset::Relief,
         Tileset::Contours,
         Tileset::Features,
+        Tileset::QuantizedMesh,
     ];
 
     /// The name in URLs.
@@ -94,14 +121,20 @@ impl Tileset {
         match self {
             Tileset::Terrarium => "terrarium",
             Tileset::TerrainRgb => "terrain-rgb",
+            Tileset::Fit => "fit",
+            Tileset::Height16 => "height16",
+            Tileset::R16 => "r16",
             Tileset::R32 => "r32",
             Tileset::Hillshade => "hillshade",
+            Tileset::Slope => "slope",
+            Tileset::Normals => "normals",
             Tileset::Water => "water",
             Tileset::Materials => "materials",
             Tileset::Weights(_) => "weights",
             Tileset::Relief => "relief",
             Tileset::Contours => "contours",
             Tileset::Features => "features",
+            Tileset::QuantizedMesh => "quantized-mesh",
         }
     }
 
@@ -111,32 +144,78 @@ impl Tileset {
         Self::ALL.into_iter().find(|tileset| tileset.name() == name)
     }
 
-    /// The extension of its files.
+    /// The extension of its files; of pictures that of their packing.
     #[must_use]
-    pub fn extension(self) -> &'static str {
+    pub fn extension(self, image: Image) -> &'static str {
         match self {
-            Tileset::R32 => "bin",
+            Tileset::R16 | Tileset::R32 => "bin",
             Tileset::Contours | Tileset::Features => "mvt",
+            Tileset::QuantizedMesh => "terrain",
+            _ if image == Image::Webp && self.has_webp() => "webp",
             _ => "png",
         }
     }
 
-    /// Its media type.
+    /// Its media type; of pictures that of their packing.
     #[must_use]
-    pub fn media_type(self) -> &'static str {
-        match self {
-            Tileset::R32 => "application/octet-stream",
-            Tileset::Contours | Tileset::Features => "application/vnd.mapbox-vector-tile",
+    pub fn media_type(self, image: Image) -> &'static str {
+        match self.extension(image) {
+            "bin" => "application/octet-stream",
+            "mvt" => "application/vnd.mapbox-vector-tile",
+            "webp" => "image/webp",
+            "terrain" => "application/vnd.quantized-mesh",
             _ => "image/png",
         }
     }
 
-    /// What `MapLibre` calls its encoding of elevation; `None` if it is a picture.
+    /// Whether its tiles are pictures.
+    #[must_use]
+    pub fn is_picture(self) -> bool {
+        !matches!(self, Tileset::R16 | Tileset::R32 | Tileset::Contours | Tileset::Features | Tileset::QuantizedMesh)
+    }
+
+    /// Whether its tiles are pictures that there are as `WebP` too.
+    #[must_use]
+    pub fn has_webp(self) -> bool {
+        self.is_picture() && self != Tileset::Height16
+    }
+
+    /// Whether a grid has it: meshes lie on the globe, which `metric` knows nothing of.
+    #[must_use]
+    pub fn is_on(self, grid: Grid) -> bool {
+        self != Tileset::QuantizedMesh || grid != Grid::Metric
+    }
+
+    /// Whether its tiles are samples without a header.
+    #[must_use]
+    pub fn is_raw(self) -> bool {
+        matches!(self, Tileset::R16 | Tileset::R32)
+    }
+
+    /// Whether its tiles say too little of themselves, so that a sidecar says it.
+    #[must_use]
+    pub fn has_sidecar(self) -> bool {
+        self.is_raw() || self == Tileset::Height16
+    }
+
+    /// The steps that its numbers count over a vertical range in metres; `None` if they count none.
+    #[must_use]
+    pub fn steps(self, range: [f64; 2]) -> Option<Steps> {
+        match self {
+            Tileset::Fit => Some(Steps::of_24_bits(range)),
+            Tileset::Height16 | Tileset::R16 => Some(Steps::of_16_bits(range)),
+            _ => None,
+        }
+    }
+
+    /// What `MapLibre` calls its encoding of elevation, or that of its samples; `None` if it is a picture.
     #[must_use]
     pub fn encoding(self) -> Option<&'static str> {
         match self {
             Tileset::Terrarium => Some("terrarium"),
             Tileset::TerrainRgb => Some("mapbox"),
+            Tileset::Fit => Some("custom"),
+            Tileset::Height16 | Tileset::R16 => Some("u16"),
             Tileset::R32 => Some("f32"),
             _ => None,
         }
@@ -148,14 +227,20 @@ impl Tileset {
         match self {
             Tileset::Terrarium => "terrarium.png 1",
             Tileset::TerrainRgb => "terrain-rgb.png 1",
+            Tileset::Fit => "fit.png 1",
+            Tileset::Height16 => "height16.png 1",
+            Tileset::R16 => "r16.bin 1",
             Tileset::R32 => "r32.bin 1",
             Tileset::Hillshade => "hillshade.png 1",
+            Tileset::Slope => "slope.png 1",
+            Tileset::Normals => "normals.png 1",
             Tileset::Water => "water.png 1",
             Tileset::Materials => "materials.png 1",
             Tileset::Weights(_) => "weights.png 1",
             Tileset::Relief => "relief.png 1",
             Tileset::Contours => "contours.mvt 1",
             Tileset::Features => "features.mvt 1",
+            Tileset::QuantizedMesh => "quantized-mesh.terrain 1",
         }
     }
 
@@ -173,7 +258,7 @@ impl Tileset {
     #[must_use]
     pub fn apron(self) -> usize {
         match self {
-            Tileset::Hillshade | Tileset::Water | Tileset::Relief => 1,
+            Tileset::Hillshade | Tileset::Slope | Tileset::Normals | Tileset::Water | Tileset::Relief | Tileset::QuantizedMesh => 1,
             Tileset::Contours | Tileset::Features => contours::APRON,
             _ => 0,
         }
@@ -195,27 +280,46 @@ impl Tileset {
     /// Whether it draws heights, of the ground or of the water's surface.
     #[must_use]
     pub fn has_height(self) -> bool {
-        matches!(self, Tileset::Terrarium | Tileset::TerrainRgb | Tileset::R32 | Tileset::Hillshade)
+        let is_shape = matches!(self, Tileset::Hillshade | Tileset::Slope | Tileset::Normals | Tileset::QuantizedMesh);
+        is_shape || matches!(self, Tileset::Terrarium | Tileset::TerrainRgb | Tileset::Fit) || self.has_sidecar()
     }
 
     /// Encodes a surface that has this tileset's apron around it and what it [wants](Tileset::wanted); `spacing` in metres.
     ///
     /// # Errors
     /// If the image encoder fails, as it does for a surface without samples.
-    pub fn encode(self, surface: &Surface, spacing: f64, legend: &Legend) -> Result<Vec<u8>, EncodeError> {
-        let inner = [surface.columns.saturating_sub(2), surface.rows.saturating_sub(2)];
+    pub fn encode(self, surface: &Surface, spacing: f64, legend: &Legend, options: Options) -> Result<Vec<u8>, EncodeError> {
         match self {
-            Tileset::Terrarium => png::rgb(surface, rgb::terrarium),
-            Tileset::TerrainRgb => png::rgb(surface, rgb::terrain_rgb),
-            Tileset::R32 => Ok(surface.elevation.iter().flat_map(|elevation| elevation.to_le_bytes()).collect()),
-            Tileset::Hillshade => png::grey(inner[0], inner[1], &hillshade::shade(surface, spacing)),
-            Tileset::Water => png::grey(inner[0], inner[1], &water::greys(surface, spacing, legend.sea_level as f32)),
-            Tileset::Materials => png::grey(surface.columns, surface.rows, &materials::numbers(surface)),
-            Tileset::Weights(_) => png::channels(surface.columns, surface.rows, surface.weights.as_flattened()),
-            Tileset::Relief => png::colours(inner[0], inner[1], &relief::draw_with(surface, spacing, &Ramp::of(legend), legend)),
+            Tileset::R16 | Tileset::R32 => Ok(raw(surface, self.steps(legend.range), options)),
             Tileset::Contours => Ok(contours::draw(surface, contours::interval(spacing))),
-            // A surface has no features.
-            Tileset::Features => Ok(Vec::new()),
+            // A surface has no features, and knows no place on the globe.
+            Tileset::Features | Tileset::QuantizedMesh => Ok(Vec::new()),
+            _ => self.picture(surface, spacing, legend, options.rows).encode(options.image),
+        }
+    }
+
+    /// Draws a surface as pixels.
+    fn picture(self, surface: &Surface, spacing: f64, legend: &Legend, rows: RowOrder) -> Raster {
+        let whole = |pixels, bytes| Raster { size: [surface.columns, surface.rows], pixels, bytes };
+        let inner = |pixels, bytes| Raster { size: [surface.columns.saturating_sub(2), surface.rows.saturating_sub(2)], pixels, bytes };
+        match self {
+            Tileset::Terrarium => Raster::rgb(surface, rgb::terrarium),
+            Tileset::TerrainRgb => Raster::rgb(surface, rgb::terrain_rgb),
+            Tileset::Fit => {
+                let steps = Steps::of_24_bits(legend.range);
+                Raster::rgb(surface, |elevation| steps::fit(&steps, elevation))
+            }
+            Tileset::Height16 => {
+                let steps = Steps::of_16_bits(legend.range);
+                whole(Pixels::Grey16, rows_of(surface, rows).flat_map(|elevation| (steps.number(elevation) as u16).to_ne_bytes()).collect())
+            }
+            Tileset::Slope => inner(Pixels::Grey, slope::half_degrees(surface, spacing)),
+            Tileset::Normals => inner(Pixels::Rgb, slope::normals(surface, spacing)),
+            Tileset::Water => inner(Pixels::Grey, water::greys(surface, spacing, legend.sea_level as f32)),
+            Tileset::Materials => whole(Pixels::Grey, materials::numbers(surface)),
+            Tileset::Weights(_) => whole(Pixels::Channels, surface.weights.as_flattened().to_vec()),
+            Tileset::Relief => inner(Pixels::Rgb, relief::draw_with(surface, spacing, &Ramp::of(legend), legend)),
+            _ => inner(Pixels::Grey, hillshade::shade(surface, spacing)),
         }
     }
 
@@ -223,10 +327,30 @@ impl Tileset {
     ///
     /// # Errors
     /// As [`Tileset::encode`].
-    pub fn encode_height(self, mut surface: Surface, spacing: f64, legend: &Legend, height: Height) -> Result<Vec<u8>, EncodeError> {
+    pub fn encode_height(self, mut surface: Surface, spacing: f64, legend: &Legend, height: Height, options: Options) -> Result<Vec<u8>, EncodeError> {
         if height == Height::Water {
             surface.raise_to_water();
         }
-        self.encode(&surface, spacing, legend)
+        self.encode(&surface, spacing, legend, options)
+    }
+}
+
+/// The elevations of a surface, the rows in an order.
+fn rows_of(surface: &Surface, order: RowOrder) -> impl Iterator<Item = f32> + '_ {
+    let row = move |row| match order {
+        RowOrder::North => row,
+        RowOrder::South => surface.rows - 1 - row,
+    };
+    (0..surface.rows).flat_map(move |i| surface.row(row(i))).copied()
+}
+
+/// Samples without a header: numbers of steps as u16, or metres as f32.
+fn raw(surface: &Surface, steps: Option<Steps>, options: Options) -> Vec<u8> {
+    let samples = rows_of(surface, options.rows);
+    match (steps, options.order) {
+        (Some(steps), ByteOrder::Little) => samples.flat_map(|elevation| (steps.number(elevation) as u16).to_le_bytes()).collect(),
+        (Some(steps), ByteOrder::Big) => samples.flat_map(|elevation| (steps.number(elevation) as u16).to_be_bytes()).collect(),
+        (None, ByteOrder::Little) => samples.flat_map(f32::to_le_bytes).collect(),
+        (None, ByteOrder::Big) => samples.flat_map(f32::to_be_bytes).collect(),
     }
 }

@@ -4,7 +4,7 @@ use crate::client::Client;
 use terrane::{
     geometry::{Filter, Grid, Samples, Tile},
     noise::mix,
-    tile::{Height, TileRequest, Tileset, render},
+    tile::{Height, Options, TileRequest, Tileset, render},
     world::{Document, EXAMPLES, World},
 };
 
@@ -13,7 +13,7 @@ fn worlds() -> Vec<World> {
 }
 
 fn vertices(world: &World, grid: Grid, tile: Tile, n: usize, filter: Filter) -> Vec<f32> {
-    let request = TileRequest { grid, tile, samples: Samples::Vertices(n), filter, tileset: Tileset::R32, height: Height::Ground };
+    let request = TileRequest { grid, tile, samples: Samples::Vertices(n), filter, tileset: Tileset::R32, height: Height::Ground, options: Options::default() };
     let bytes = render(world, &request).unwrap();
     bytes.chunks_exact(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect()
 }
@@ -84,6 +84,7 @@ fn edges_of_all_tilesets_are_alike_at_pixel_centres() {
             filter: Filter::Band,
             tileset: Tileset::Hillshade,
             height: Height::Ground,
+            options: Options::default(),
         };
         image::load_from_memory(&render(world, &request).unwrap()).unwrap().into_luma8()
     };

@@ -2,7 +2,7 @@
 
 use terrane::{
     geometry::{Filter, Grid, Samples, Tile, Window},
-    tile::{Height, TileRequest, Tileset, render, write_geotiff},
+    tile::{Height, Options, TileRequest, Tileset, render, write_geotiff},
     world::{Document, EXAMPLES, World},
 };
 use zune_png::{
@@ -16,7 +16,15 @@ fn world(name: &str) -> World {
 }
 
 fn request(tileset: Tileset, samples: Samples) -> TileRequest {
-    TileRequest { grid: Grid::Web, tile: Tile { z: 9, x: 257, y: 254 }, samples, filter: Filter::Band, tileset, height: Height::Ground }
+    TileRequest {
+        grid: Grid::Web,
+        tile: Tile { z: 9, x: 257, y: 254 },
+        samples,
+        filter: Filter::Band,
+        tileset,
+        height: Height::Ground,
+        options: Options::default(),
+    }
 }
 
 fn elevations(world: &World, samples: Samples) -> Vec<f32> {
@@ -71,6 +79,7 @@ fn the_ends_of_the_vertical_range_are_kept() {
         filter: Filter::Band,
         tileset: Tileset::Terrarium,
         height: Height::Ground,
+        options: Options::default(),
     };
     for (x, tileset, first, last) in [
         (-1, Tileset::Terrarium, [88, 240, 0], [128, 0, 0]),

@@ -5,8 +5,8 @@
 use sha2::{Digest, Sha256};
 use std::{fmt::Write, path::Path};
 use terrane::{
-    geometry::{Filter, Grid, Samples, Tile},
-    tile::{Height, PREVIEW_FORM, TileRequest, Tileset, preview, render},
+    geometry::{Filter, Grid, Legend, Samples, Tile},
+    tile::{Height, Image, MeshExtensions, Options, PREVIEW_FORM, TileRequest, Tileset, preview, render},
     world::{Document, EXAMPLES, PRESETS, Preset, Survey, World},
 };
 
@@ -29,16 +29,32 @@ fn lines() -> String {
         for (grid, tile, samples, filter) in places {
             // Tiles at the end of the plane: as far as the zoom level goes.
             let tile = if grid == Grid::Metric && tile.z == 24 { Tile { x: 500_000_000_000, y: -500_000_000_000, ..tile } } else { tile };
-            let bytes = render(&world, &TileRequest { grid, tile, samples, filter, tileset: Tileset::R32, height: Height::Ground }).unwrap();
+            let bytes =
+                render(&world, &TileRequest { grid, tile, samples, filter, tileset: Tileset::R32, height: Height::Ground, options: Options::default() })
+                    .unwrap();
             let elevations: Vec<f32> = bytes.chunks_exact(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect();
             let (min, max) = elevations.iter().fold((f32::MAX, f32::MIN), |(min, max), &e| (min.min(e), max.max(e)));
             writeln!(lines, "{} {} {}/{}/{} {samples:?} {}: {} {min} {max}", example.name, grid.name(), tile.z, tile.x, tile.y, filter.name(), digest(&bytes))
                 .unwrap();
         }
-        for tileset in [Tileset::Terrarium, Tileset::TerrainRgb, Tileset::Hillshade] {
+        let all = MeshExtensions { normals: true, water_mask: true, metadata: true };
+        let (plain, webp, mesh) = (Options::default(), Options { image: Image::Webp, ..Options::default() }, Options { mesh: all, ..Options::default() });
+        for (tileset, options) in [
+            (Tileset::Terrarium, plain),
+            (Tileset::TerrainRgb, plain),
+            (Tileset::Hillshade, plain),
+            (Tileset::Slope, plain),
+            (Tileset::Normals, plain),
+            (Tileset::Fit, plain),
+            (Tileset::Height16, plain),
+            (Tileset::TerrainRgb, webp),
+            (Tileset::QuantizedMesh, mesh),
+        ] {
             let (grid, tile, samples, filter) = places[0];
-            let bytes = render(&world, &TileRequest { grid, tile, samples, filter, tileset, height: Height::Ground }).unwrap();
-            writeln!(lines, "{} {}: {}", example.name, tileset.form(), digest(&bytes)).unwrap();
+            let samples = if tileset == Tileset::QuantizedMesh { Samples::Vertices(65) } else { samples };
+            let request = TileRequest { grid, tile, samples, filter, tileset, height: Height::Ground, options };
+            let (form, bytes) = (request.form(&Legend::default()).replace('\n', " "), render(&world, &request).unwrap());
+            writeln!(lines, "{} {form}: {}", example.name, digest(&bytes)).unwrap();
         }
     }
     lines
@@ -91,6 +107,7 @@ fn the_alps_look_as_they_did() {
         filter: Filter::Band,
         tileset: Tileset::R32,
         height: Height::Ground,
+        options: Options::default(),
     };
     let bytes = render(&world, &request).unwrap();
     let elevations: Vec<f32> = bytes.chunks_exact(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect();

@@ -17,7 +17,7 @@ async fn a_new_server_has_the_example_worlds_with_their_tilesets() {
     );
     assert_eq!(worlds[0]["title"], "Alps");
     assert_eq!(worlds[0]["tilesets"][0], json!({"grid": "web", "tileset": "terrarium", "tilejson": "http://localhost:8080/worlds/alps/web/terrarium"}));
-    assert_eq!(worlds[0]["tilesets"].as_array().unwrap().len(), 20);
+    assert_eq!(worlds[0]["tilesets"].as_array().unwrap().len(), 47);
     let list = client.get("/worlds").await.json();
     assert_eq!(list["worlds"][5]["revision"], worlds[5]["revision"]);
     assert!(list["worlds"][5].get("tilesets").is_none());
@@ -26,8 +26,8 @@ async fn a_new_server_has_the_example_worlds_with_their_tilesets() {
 #[tokio::test]
 async fn tilejson_leads_to_tiles_that_never_change() {
     let client = Client::new().await;
-    for tileset in ["terrarium", "terrain-rgb", "r32", "hillshade", "water", "materials", "weights", "relief"] {
-        for grid in ["web", "metric"] {
+    for tileset in ["terrarium", "terrain-rgb", "fit", "height16", "r16", "r32", "hillshade", "slope", "normals", "water", "materials", "weights", "relief"] {
+        for grid in ["web", "geo", "metric"] {
             let tilejson = client.get(&format!("/worlds/hills/{grid}/{tileset}")).await.json();
             assert_eq!((&tilejson["tilejson"], &tilejson["tileSize"], &tilejson["maxzoom"]), (&json!("3.0.0"), &json!(512), &json!(24)));
             let template = tilejson["tiles"][0].as_str().unwrap();
@@ -129,10 +129,10 @@ async fn wrong_requests_are_told_what_would_be_right() {
             "/worlds/alps@0123/web/terrarium/1/0/0.png",
             "404 world: the world \"alps\" has no revision \"0123\"; a revision is 32 hex digits, listed at worlds/alps/revisions",
         ),
-        ("/worlds/alps/mercator/terrarium/1/0/0.png", "404 grid: no grid is named \"mercator\"; there are web, metric"),
+        ("/worlds/alps/mercator/terrarium/1/0/0.png", "404 grid: no grid is named \"mercator\"; there are web, geo, metric"),
         (
             "/worlds/alps/web/terrain/1/0/0.png",
-            "404 tileset: no tileset is named \"terrain\"; there are terrarium, terrain-rgb, r32, hillshade, water, materials, weights, relief, contours, features",
+            "404 tileset: no tileset is named \"terrain\"; there are terrarium, terrain-rgb, fit, height16, r16, r32, hillshade, slope, normals, water, materials, weights, relief, contours, features, quantized-mesh",
         ),
         ("/worlds/alps/web/terrarium/31/0/0.png", "404 z: zoom must be 0 … 30, got 31"),
         ("/worlds/alps/web/terrarium/-1/0/0.png", "404 z: zoom must be 0 … 30, got -1"),
@@ -148,13 +148,16 @@ async fn wrong_requests_are_told_what_would_be_right() {
             "/worlds/alps/web/terrarium/0/40000/0.png",
             "404 tile: tile 0/40000/0 lies beyond 2^40 m from the origin: at zoom 0, x must be -27435 … 27435 and y -27435 … 27435",
         ),
-        ("/worlds/alps/web/terrarium/1/0/0.jpg", "404 y: tiles of terrarium end in .png, got \"0.jpg\""),
-        ("/worlds/alps/web/r32/1/0/0.png", "404 y: tiles of r32 end in .bin, got \"0.png\""),
-        ("/worlds/alps/web/r32/1/0/0", "404 y: tiles of r32 end in .bin, got \"0\""),
+        ("/worlds/alps/web/terrarium/1/0/0.jpg", "404 y: tiles of terrarium end in .png or .webp, got \"0.jpg\""),
+        ("/worlds/alps/web/r32/1/0/0.png", "404 y: tiles of r32 end in .bin or .json, got \"0.png\""),
+        ("/worlds/alps/web/r32/1/0/0", "404 y: tiles of r32 end in .bin or .json, got \"0\""),
         ("/worlds/alps/web/r32/1/0/0@1026.bin", "404 y: after @ comes 2x (512 pixels) or a number of vertices a side, 2 … 1025; got \"1026\""),
         ("/worlds/alps/web/r32/1/0/0@1.bin", "404 y: after @ comes 2x (512 pixels) or a number of vertices a side, 2 … 1025; got \"1\""),
         ("/worlds/alps/web/r32/1/0/0.bin?filter=none", "400 filter: must be band or exact, got \"none\""),
-        ("/worlds/alps/web/r32/1/0/0.bin?fliter=exact", "400 fliter: unknown field `fliter`, expected one of `filter`, `surface`, `page`"),
+        (
+            "/worlds/alps/web/r32/1/0/0.bin?fliter=exact",
+            "400 fliter: unknown field `fliter`, expected one of `filter`, `surface`, `page`, `order`, `rows`, `extensions`",
+        ),
         ("/worlds/alps/elevation", "400 x: a point is given by x and y (metres) or by lon and lat (degrees)"),
         ("/worlds/alps/elevation?lon=1.2", "400 lat: a point is given by x and y (metres) or by lon and lat (degrees)"),
         ("/worlds/alps/elevation?x=1&lat=2", "400 x: a point is given by x and y (metres) or by lon and lat (degrees)"),

@@ -12,7 +12,7 @@ use terrane::{
         generate::{Ground, Island, Landmass, Rivers, Styles},
     },
     noise,
-    tile::{Height, TileRequest, Tileset, render},
+    tile::{Height, Options, TileRequest, Tileset, render},
     world::{Document, EXAMPLES, World},
 };
 
@@ -196,6 +196,7 @@ fn editing_a_feature_changes_the_tags_of_what_it_reaches_alone() {
                 filter: Filter::Band,
                 tileset,
                 height: Height::Ground,
+                options: Options::default(),
             };
             let area = request.window().unwrap().bounds();
             let tag = |world: &World| world.fingerprint(tileset.form(), &area, request.grid, request.tile, request.samples, request.filter);
@@ -278,8 +279,15 @@ fn an_endless_layout_does_not_remember_what_was_asked() {
 fn do_not_remember(world: impl Fn() -> World) {
     let places = [(10, 512, 511), (12, 2050, 2044), (8, 128, 127), (13, 4100, 4090), (7, 60, 66), (12, 2050, 2045), (5, 16, 15)];
     let tile = |world: &World, (z, x, y): (u8, i64, i64), tileset: Tileset| {
-        let request =
-            TileRequest { grid: Grid::Web, tile: Tile { z, x, y }, samples: Samples::Centres(64), filter: Filter::Band, tileset, height: Height::Ground };
+        let request = TileRequest {
+            grid: Grid::Web,
+            tile: Tile { z, x, y },
+            samples: Samples::Centres(64),
+            filter: Filter::Band,
+            tileset,
+            height: Height::Ground,
+            options: Options::default(),
+        };
         render(world, &request).unwrap()
     };
     for tileset in [Tileset::R32, Tileset::Relief, Tileset::Weights(0)] {

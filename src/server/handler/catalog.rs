@@ -25,8 +25,9 @@ fn entry(live: &Live) -> WorldEntry {
 ))]
 pub(crate) async fn get_catalog(State(app): State<App>, PublicUrl(url): PublicUrl) -> Result<Json<Catalog>, ApiError> {
     let tilesets = |name: &str| {
-        let all = Grid::ALL.into_iter().flat_map(|grid| Tileset::ALL.map(|tileset| (grid.name(), tileset.name())));
-        all.map(|(grid, tileset)| TilesetEntry { grid, tileset, tilejson: format!("{url}/worlds/{name}/{grid}/{tileset}") }).collect()
+        let all = Grid::ALL.into_iter().flat_map(|grid| Tileset::ALL.map(|tileset| (grid, tileset))).filter(|(grid, tileset)| tileset.is_on(*grid));
+        let names = all.map(|(grid, tileset)| (grid.name(), tileset.name()));
+        names.map(|(grid, tileset)| TilesetEntry { grid, tileset, tilejson: format!("{url}/worlds/{name}/{grid}/{tileset}") }).collect()
     };
     let worlds = app.0.worlds.shelf.all().values().map(|live| CatalogEntry { world: entry(live), tilesets: tilesets(&live.name) }).collect();
     Ok(Json(Catalog { worlds }))

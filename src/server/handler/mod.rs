@@ -7,6 +7,7 @@ pub(super) mod elevation;
 pub(super) mod feature;
 pub(super) mod feature_edit;
 pub(super) mod health;
+pub(super) mod layer;
 pub(super) mod programme;
 pub(super) mod shader;
 pub(super) mod tile;

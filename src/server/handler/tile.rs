@@ -1,39 +1,32 @@
 //! Tiles and what describes them.
 
 use crate::{
-    geometry::{Filter, Grid, Source, to_lon_lat},
+    geometry::{DEGREE, Filter, Grid, GridError, Source, to_lon_lat},
     server::{
+        address::{TilePath, TilesetPath, packing, paged},
         error::ApiError,
-        extract::{Known, PublicUrl, TilePath, TilesetPath, WorldAt, paged},
+        extract::{Known, PublicUrl, WorldAt},
         headers::{Freshness, is_fresh, json, not_modified, tagged},
-        schema::{MaterialSchema, ProblemDetails, TileJson, VectorLayerSchema},
+        schema::ProblemDetails,
         shelf::Shelved,
+        sidecar::{SidecarSchema, sidecar},
         state::App,
         style,
+        tilejson::{Factors, MaterialSchema, TileJson, VectorLayerSchema},
         worlds::Live,
     },
-    tile,
+    tile::{self, TileRequest, Tileset},
 };
 use axum::{
     extract::State,
-    http::{HeaderMap, header},
+    http::{HeaderMap, HeaderValue, Uri, header},
     response::Response,
 };
 use serde::Deserialize;
 use utoipa::IntoParams;
 
 /// Zoom levels that `TileJSON` announces.
-const MAX_ANNOUNCED_ZOOM: u8 = 24;
-
-/// Whether URLs carry the revision.
-#[derive(Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub(crate) struct LiveQuery {
-    /// Present, with any value or none: plain URLs whose tiles change with the world, for editing.
-    #[param(value_type = Option<String>, allow_reserved = false)]
-    live: Option<String>,
-}
+pub(super) const MAX_ANNOUNCED_ZOOM: u8 = 24;
 
 /// Which tiles are described.
 #[derive(Deserialize, IntoParams)]
@@ -46,21 +39,26 @@ pub(crate) struct TilesetQuery {
     /// Of `weights`, 0 (default) … 63: the page of materials.
     #[param(value_type = Option<u8>)]
     page: Option<String>,
+    /// `png` (default) or `webp`: how the tiles of the template are packed, without loss; `height16`, raw and vector tiles are no WebP.
+    format: Option<String>,
 }
 
 /// A tile.
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}/{z}/{x}/{y}", tag = "tiles", params(
     ("world" = String, Path, description = "`name`, or `name@revision` for a tile that never changes"),
-    ("grid" = String, Path, description = "`web` or `metric`"),
-    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32`, `hillshade`, `water`, `materials`, `weights`, `relief`, `contours` or `features`"),
+    ("grid" = String, Path, description = "`web`, `geo` or `metric`"),
+    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `slope`, `normals`, `water`, `materials`, `weights`, `relief`, `contours`, `features` or `quantized-mesh`"),
     ("z" = u8, Path, description = "Zoom level, 0 … 30"),
     ("x" = i64, Path, description = "Column, to the east; may be negative or beyond 2^z"),
-    ("y" = String, Path, description = "Row, to the south, samples and extension: `5.png` (256 pixels), `5@2x.png` (512), `5@257.bin` (257 × 257 vertices with both edges; 2 … 1025), `5.mvt`"),
-    ("surface" = Option<String>, Query, description = "`ground` (default) or `water`: the height that `terrarium`, `terrain-rgb`, `r32` and `hillshade` draw; `water` is the water's surface where there is water"),
+    ("y" = String, Path, description = "Row, to the south, samples and extension: `5.png` or `5.webp` (256 pixels), `5@2x.png` (512), `5@257.bin` (257 × 257 vertices with both edges; 2 … 1025), `5@257.json` (what the samples of `height16`, `r16` and `r32` mean), `5.mvt`, `5.terrain` (65 × 65 samples; `@17`, `@33`, `@129`, `@257`). Rows of `quantized-mesh` count from the south"),
+    ("surface" = Option<String>, Query, description = "`ground` (default) or `water`: the height that `terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `slope`, `normals` and `quantized-mesh` draw; `water` is the water's surface where there is water"),
     ("page" = Option<u8>, Query, description = "Of `weights`, 0 (default) … 63: page n has the materials of numbers 4 n to 4 n + 3 as red, green, blue and alpha"),
+    ("order" = Option<String>, Query, description = "Of `r16` and `r32`: `le` (default) or `be`, the byte that comes first"),
+    ("rows" = Option<String>, Query, description = "Of `height16`, `r16` and `r32`: `north` (default) or `south`, the row that comes first"),
+    ("extensions" = Option<String>, Query, description = "Of `quantized-mesh`: any of `octvertexnormals`, `watermask` and `metadata` with hyphens between them; without it what the Accept header says, as in `application/vnd.quantized-mesh;extensions=octvertexnormals-watermask`"),
     ("filter" = Option<String>, Query, description = "`band` (default) leaves out what the spacing cannot carry, `exact` samples the function as it is"),
 ), responses(
-    (status = 200, description = "The tile", content((Vec<u8> = "image/png"), (Vec<u8> = "application/octet-stream"), (Vec<u8> = "application/vnd.mapbox-vector-tile")), headers(("ETag" = String, description = "The tile's fingerprint"))),
+    (status = 200, description = "The tile", content((Vec<u8> = "image/png"), (Vec<u8> = "image/webp"), (Vec<u8> = "application/octet-stream"), (Vec<u8> = "application/vnd.mapbox-vector-tile"), (Vec<u8> = "application/vnd.quantized-mesh"), (SidecarSchema = "application/json")), headers(("ETag" = String, description = "The tile's fingerprint"))),
     (status = 304, description = "The tile is what If-None-Match names; nothing was evaluated"),
     (status = 400, description = "A part of the address is no number, the query is wrong, or exact samples so far apart would take longer than 10 s", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 404, description = "No such world, grid, tileset, extension or tile", body = ProblemDetails, content_type = "application/problem+json"),
@@ -69,24 +67,31 @@ pub(crate) struct TilesetQuery {
 pub(crate) async fn get_tile(
     State(app): State<App>,
     WorldAt { live, pinned }: WorldAt,
-    TilePath(request): TilePath,
+    TilePath { request, is_sidecar }: TilePath,
+    uri: Uri,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
-    let window = request.window().map_err(|error| ApiError::absent("tile", error.to_string()))?;
+    let absent = |error: GridError| ApiError::absent("tile", error.to_string());
+    if is_sidecar {
+        let stem = uri.path().rsplit('/').next().and_then(|file| file.strip_suffix(".json")).unwrap_or_default();
+        return json(&headers, &sidecar(&request, live.world.legend().range, stem).map_err(absent)?, Freshness::of(pinned));
+    }
+    let window = request.window().map_err(absent)?;
     let (world, form, area) = (&live.world, request.form(&live.world.legend()), window.bounds());
-    let is_features = request.tileset == tile::Tileset::Features;
+    let is_features = request.tileset == Tileset::Features;
     let form = if is_features { world.features_form(&form, &area) } else { form };
     let fingerprint = world.fingerprint(&form, &area, request.grid, request.tile, request.samples, request.filter);
     let (tag, freshness) = (fingerprint.to_string(), Freshness::of(pinned));
     if is_fresh(&headers, &tag) {
         return Ok(not_modified(&tag, freshness));
     }
-    let answer = move |bytes| tagged(([(header::CONTENT_TYPE, request.tileset.media_type())], bytes), &tag, freshness);
+    let answer = move |bytes| tagged((described(&request), bytes), &tag, freshness);
     // What is at hand must not even be predicted.
     if let Some(bytes) = app.0.tiles.cached(&fingerprint) {
         return Ok(answer(bytes));
     }
-    let cost_ns = live.world.cost_ns(&window);
+    let mask = request.mask_window().map_err(absent)?;
+    let cost_ns = live.world.cost_ns(&window) + mask.map_or(0.0, |mask| live.world.cost_ns(&mask)) + request.drawing_ns();
     if cost_ns > MOST_TILE_NS {
         let (spacing, seconds) = (window.spacing(), cost_ns / 1e9);
         let instead = if request.filter == Filter::Exact { "filter=band" } else { "fewer samples" };
@@ -101,6 +106,18 @@ pub(crate) async fn get_tile(
     Ok(answer(bytes))
 }
 
+/// The headers that say what a tile is. A mesh says which extensions it holds, and that they may come from what the client takes.
+fn described(request: &TileRequest) -> HeaderMap {
+    let (media_type, extensions) = (request.tileset.media_type(request.options.image), request.options.mesh.list());
+    let content = if extensions.is_empty() { media_type.to_owned() } else { format!("{media_type};extensions={extensions}") };
+    let mut headers = HeaderMap::new();
+    headers.extend(HeaderValue::from_str(&content).ok().map(|value| (header::CONTENT_TYPE, value)));
+    if request.tileset == Tileset::QuantizedMesh {
+        headers.insert(header::VARY, HeaderValue::from_static("accept"));
+    }
+    headers
+}
+
 /// The greatest predicted time of a tile. Filtered tiles stay far below, by the budget of programmes; exact samples further apart than the valleys of an erosion do
 /// not.
 const MOST_TILE_NS: f64 = 1e10;
@@ -108,8 +125,8 @@ const MOST_TILE_NS: f64 = 1e10;
 /// What viewers need to know of a tileset.
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}", tag = "tiles", params(
     ("world" = String, Path, description = "`name` or `name@revision`"),
-    ("grid" = String, Path, description = "`web` or `metric`"),
-    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `r32`, `hillshade`, `water`, `materials`, `weights`, `relief`, `contours` or `features`"),
+    ("grid" = String, Path, description = "`web`, `geo` or `metric`"),
+    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `slope`, `normals`, `water`, `materials`, `weights`, `relief`, `contours`, `features` or `quantized-mesh`"),
     TilesetQuery,
 ), responses(
     (status = 200, description = "TileJSON 3.0 with `encoding` and `tileSize`", body = TileJson),
@@ -125,21 +142,26 @@ pub(crate) async fn get_tilejson(
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
     let tileset = paged(tileset, query.page.as_deref())?;
-    let (document, is_weights) = (live.world.document(), matches!(tileset, tile::Tileset::Weights(_)));
-    let template = template(&url, &live, grid.name(), tileset, query.live.is_some());
+    let (document, is_weights) = (live.world.document(), matches!(tileset, Tileset::Weights(_)));
+    let image = packing(tileset, query.format.as_deref())?;
+    let template = template(&url, &live, grid.name(), (tileset, image), query.live.is_some());
+    let (range, steps) = (live.world.legend().range, tileset.steps(live.world.legend().range));
+    let factors = (tileset == Tileset::Fit).then(|| steps.map(|steps| Factors::of(&steps))).flatten();
     let body = TileJson {
         tilejson: "3.0.0",
         name: live.title().to_owned(),
         description: document.description.clone(),
         attribution: document.attribution.clone(),
-        scheme: "xyz",
+        scheme: if tileset == Tileset::QuantizedMesh { "tms" } else { "xyz" },
         tiles: [template],
         minzoom: 0,
         maxzoom: MAX_ANNOUNCED_ZOOM,
         center: center(&live, grid),
-        tile_size: tileset.layers().is_empty().then_some(512),
+        tile_size: has_pixels(tileset).then_some(512),
         vector_layers: vector_layers(tileset),
         encoding: tileset.encoding(),
+        factors,
+        elevation: steps.map(|_| range),
         materials: tileset.has_materials().then(|| materials(live.world.materials(), is_weights)),
         pages: is_weights.then(|| live.world.materials().len() / CHANNELS.len() + 1),
     };
@@ -163,7 +185,7 @@ fn materials(names: &[Box<str>], is_weights: bool) -> Vec<MaterialSchema> {
 }
 
 /// What the layers of a vector tileset are called and hold.
-fn vector_layers(tileset: tile::Tileset) -> Option<Vec<VectorLayerSchema>> {
+fn vector_layers(tileset: Tileset) -> Option<Vec<VectorLayerSchema>> {
     let layer = |layer: &tile::VectorLayer| VectorLayerSchema {
         id: layer.id,
         description: layer.description,
@@ -172,14 +194,20 @@ fn vector_layers(tileset: tile::Tileset) -> Option<Vec<VectorLayerSchema>> {
     (!tileset.layers().is_empty()).then(|| tileset.layers().iter().map(layer).collect())
 }
 
-fn template(url: &str, live: &Live, grid: &str, tileset: tile::Tileset, plain: bool) -> String {
-    let revision = if plain { String::new() } else { format!("@{}", live.world.revision()) };
-    let samples = if tileset.layers().is_empty() { "@2x" } else { "" };
-    let page = if let tile::Tileset::Weights(page @ 1..) = tileset { format!("?page={page}") } else { String::new() };
-    format!("{url}/worlds/{}{revision}/{grid}/{}/{{z}}/{{x}}/{{y}}{samples}.{}{page}", live.name, tileset.name(), tileset.extension())
+/// Whether tiles are squares of samples.
+fn has_pixels(tileset: Tileset) -> bool {
+    tileset.is_picture() || tileset.is_raw()
 }
 
-/// The middle and zoom (of 512-pixel tiles) of a view with relief: longitude and latitude on `web`, metres on `metric`.
+/// The template of a tileset's addresses, its pictures packed in a way.
+pub(super) fn template(url: &str, live: &Live, grid: &str, (tileset, image): (Tileset, tile::Image), plain: bool) -> String {
+    let revision = if plain { String::new() } else { format!("@{}", live.world.revision()) };
+    let samples = if has_pixels(tileset) { "@2x" } else { "" };
+    let page = if let Tileset::Weights(page @ 1..) = tileset { format!("?page={page}") } else { String::new() };
+    format!("{url}/worlds/{}{revision}/{grid}/{}/{{z}}/{{x}}/{{y}}{samples}.{}{page}", live.name, tileset.name(), tileset.extension(image))
+}
+
+/// The middle and zoom (of 512-pixel tiles) of a view with relief: longitude and latitude on `web` and `geo`, metres on `metric`.
 fn center(live: &Live, grid: Grid) -> [f64; 3] {
     /// How many pixels the view is meant to fill.
     const VIEW_PIXELS: f64 = 1024.0;
@@ -192,12 +220,38 @@ fn center(live: &Live, grid: Grid) -> [f64; 3] {
             let (longitude, latitude) = to_lon_lat(x, y);
             [round(longitude, 1e6), round(latitude, 1e6), round(zoom, 100.0)]
         }
+        Grid::Geo => [round(x / DEGREE, 1e6), round(y / DEGREE, 1e6), round(zoom, 100.0)],
         Grid::Metric => [x.round(), y.round(), round(zoom, 100.0)],
     }
 }
 
+/// What a style is made of.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct StyleQuery {
+    /// Present, with any value or none: plain URLs whose tiles change with the world, for editing.
+    #[param(value_type = Option<String>, allow_reserved = false)]
+    live: Option<String>,
+    /// `terrarium` (default), `terrain-rgb` or `fit`: the tileset that heights are read from.
+    heights: Option<String>,
+    /// `png` (default) or `webp`: how its tiles are packed.
+    format: Option<String>,
+}
+
+impl StyleQuery {
+    fn heights(&self) -> Result<Tileset, ApiError> {
+        match self.heights.as_deref() {
+            None | Some("terrarium") => Ok(Tileset::Terrarium),
+            Some("terrain-rgb") => Ok(Tileset::TerrainRgb),
+            Some("fit") => Ok(Tileset::Fit),
+            Some(other) => Err(ApiError::parameter("heights", format!("must be terrarium, terrain-rgb or fit, got {other:?}"))),
+        }
+    }
+}
+
 /// A ready `MapLibre` style: colour relief under hillshade.
-#[utoipa::path(get, path = "/worlds/{world}/style.json", tag = "tiles", params(("world" = String, Path, description = "`name` or `name@revision`"), LiveQuery), responses(
+#[utoipa::path(get, path = "/worlds/{world}/style.json", tag = "tiles", params(("world" = String, Path, description = "`name` or `name@revision`"), StyleQuery), responses(
     (status = 200, description = "A MapLibre style, version 8", body = serde_json::Value),
     (status = 304, description = "The answer is the one that If-None-Match names"),
     (status = 400, description = "The query is wrong", body = ProblemDetails, content_type = "application/problem+json"),
@@ -205,11 +259,13 @@ fn center(live: &Live, grid: Grid) -> [f64; 3] {
 ))]
 pub(crate) async fn get_style(
     WorldAt { live, .. }: WorldAt,
-    Known(query): Known<LiveQuery>,
+    Known(query): Known<StyleQuery>,
     PublicUrl(url): PublicUrl,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
-    let tiles = |tileset| template(&url, &live, Grid::Web.name(), tileset, query.live.is_some());
-    let style = style::style(&live, tiles, MAX_ANNOUNCED_ZOOM, center(&live, Grid::Web));
+    let heights = query.heights()?;
+    let image = packing(heights, query.format.as_deref())?;
+    let tiles = |tileset| template(&url, &live, Grid::Web.name(), (tileset, image), query.live.is_some());
+    let style = style::style(&live, heights, tiles, MAX_ANNOUNCED_ZOOM, center(&live, Grid::Web));
     json(&headers, &style, Freshness::Revalidate)
 }
