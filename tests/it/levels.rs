@@ -58,8 +58,8 @@ const KNOWN: [(&str, f64); 12] = [
     ("world dunes", 2.9),
     ("world eq2", 4.2),
     ("world mesas", 3.6),
-    ("world ridges-and-rivers", 4.7),
-    ("world ridges-rivers-and-lakes", 4.3),
+    ("world ridges-and-rivers", 5.1),
+    ("world ridges-rivers-and-lakes", 4.8),
 ];
 
 /// The promise: at most 2 % of the relief from level to level. Four steps of each programme; `the_table_of_levels` takes all.

@@ -110,7 +110,9 @@ fn only_the_server_knows_http_and_only_instruction_sets_are_unsafe() {
         // Tests may use what they like to say what is right.
         let tests = name.ends_with("/tests.rs") || name.contains("/tests/");
         for word in ["mul_add", "todo!(", "unimplemented!(", "dbg!(", ".unwrap()", "SystemTime", "Instant::now"] {
-            assert!((tests && word == ".unwrap()") || !code.contains(word), "{name} holds {word}");
+            // Peers are given time; what is served never depends on a clock.
+            let allowed = (tests && word == ".unwrap()") || (name == "server/pace.rs" && word == "Instant::now");
+            assert!(allowed || !code.contains(word), "{name} holds {word}");
         }
         let kernels =
             !tests && ["noise/", "programme/", "layout/", "geometry/", "world/", "analysis/", "tile/", "query/"].iter().any(|room| name.starts_with(room));
