@@ -15,7 +15,7 @@ use terrane::{
     layout::geojson::FeatureSet,
     noise::Isa,
     server::{self, Config},
-    store::{Kind, Store},
+    store::{KeyEntry, Kind, Scope, Store},
     tile::{Height, Options, Tileset, write_geotiff},
     world::{Document, FeatureSets, World},
 };
@@ -43,6 +43,42 @@ enum Command {
     },
     /// Evaluate a window of a world into a file
     Render(RenderArguments),
+    /// Make, show and take back the keys of a server; one that runs takes notice
+    #[command(subcommand)]
+    Key(KeyCommand),
+}
+
+#[derive(Subcommand)]
+enum KeyCommand {
+    /// Make a key and print it; it is kept nowhere
+    New {
+        /// Whose it is, for people
+        name: String,
+        /// What it is for: read, write (which reads too) or admin (which does all)
+        #[arg(long, default_value_t = Scope::Write)]
+        scope: Scope,
+        #[command(flatten)]
+        folder: Folder,
+    },
+    /// Show all keys without their secrets
+    List {
+        #[command(flatten)]
+        folder: Folder,
+    },
+    /// Take a key back
+    Revoke {
+        /// Its id, as `terrane key list` shows it
+        id: String,
+        #[command(flatten)]
+        folder: Folder,
+    },
+}
+
+#[derive(Args)]
+struct Folder {
+    /// Folder of the server's data [default: ./data-store]
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
 }
 
 #[derive(Args)]
@@ -121,12 +157,18 @@ fn parse_bbox(text: &str) -> Result<[f64; 4], String> {
 fn main() -> ExitCode {
     let filter = EnvFilter::try_from_env("TERRANE_LOG").unwrap_or_else(|_| EnvFilter::new("info"));
     let colours = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_ansi(colours).init();
+    let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_ansi(colours);
+    if std::env::var("TERRANE_LOG_FORMAT").is_ok_and(|format| format == "json") {
+        log.json().init();
+    } else {
+        log.init();
+    }
     let command = Arguments::parse().command;
     let done = Isa::from_environment().map_err(anyhow::Error::msg).and_then(|_| match command {
         Command::Serve(arguments) => serve(arguments),
         Command::Check { file } => check(&file),
         Command::Render(arguments) => render(&arguments),
+        Command::Key(command) => key(command),
     });
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -207,6 +249,29 @@ fn world(name: &str, data: Option<&Path>) -> anyhow::Result<World> {
         }
     }
     Ok(World::new(Document::parse_stored(stored.body.as_bytes(), &sets).with_context(|| format!("the stored world {name}"))?))
+}
+
+fn key(command: KeyCommand) -> anyhow::Result<()> {
+    let open = |folder: Folder| async move {
+        let folder = folder.data.map_or_else(|| config(None).map(|config| config.server.data), Ok)?;
+        anyhow::Ok(Store::open_beside(&folder).await?)
+    };
+    let mut out = std::io::stdout();
+    runtime()?.block_on(async {
+        match command {
+            KeyCommand::New { name, scope, folder } => {
+                let (_, secret) = open(folder).await?.add_key(&name, scope).await?;
+                Ok(writeln!(out, "{secret}")?)
+            }
+            KeyCommand::List { folder } => {
+                for KeyEntry { id, name, scope, time, .. } in open(folder).await?.keys().await? {
+                    writeln!(out, "{id}  {scope:<5}  {time}  {name}")?;
+                }
+                Ok(())
+            }
+            KeyCommand::Revoke { id, folder } => Ok(open(folder).await?.revoke_key(&id).await?),
+        }
+    })
 }
 
 fn render(arguments: &RenderArguments) -> anyhow::Result<()> {

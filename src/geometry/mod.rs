@@ -4,6 +4,7 @@ mod grid;
 mod mercator;
 mod rectangle;
 mod shape;
+mod stop;
 mod surface;
 mod window;
 
@@ -11,5 +12,6 @@ pub use grid::{DEGREE, Grid, GridError, MAX_SIDE, MAX_ZOOM, Samples, Tile};
 pub use mercator::{MAX_LATITUDE, from_lon_lat, to_lon_lat};
 pub use rectangle::Rectangle;
 pub use shape::{Along, Chord, Curve, Detail, Edge, EdgeDetail, Elevation, MAX_ITERATIONS, MAX_VERTICES, Nearest, Shape, ShapeError, crosses};
+pub use stop::{Stop, Until};
 pub use surface::{Legend, Source, Surface, SurfaceRows, Wanted};
 pub use window::{Axis, Filter, PLANE_LIMIT, Window, WindowError};

@@ -1,6 +1,6 @@
 //! What a window evaluates to, and the trait that evaluates it.
 
-use super::Window;
+use super::{Stop, Window};
 
 /// What is wanted of a surface beside the elevation of its ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,6 +35,8 @@ pub struct Surface {
     pub page: u8,
     /// How many node results were not finite and became 0.
     pub non_finite: u64,
+    /// What ends its evaluation: then it is not whole.
+    pub stop: Stop,
 }
 
 /// Some rows of a [`Surface`], to be filled.
@@ -52,6 +54,8 @@ pub struct SurfaceRows<'a> {
     pub weights: &'a mut [[u8; 4]],
     /// The page that the weights are of.
     pub page: u8,
+    /// As in [`Surface`].
+    pub stop: Stop,
 }
 
 impl Surface {
@@ -76,6 +80,7 @@ impl Surface {
             weights: vec![[0; 4]; weights],
             page: wanted.weights.unwrap_or(0),
             non_finite: 0,
+            stop: Stop::never(),
         }
     }
 
@@ -84,7 +89,7 @@ impl Surface {
         let size = (self.columns * rows).max(1);
         let (mut depth, mut cover, mut material) = (self.water_depth.chunks_mut(size), self.water_cover.chunks_mut(size), self.material.chunks_mut(size));
         let mut weights = self.weights.chunks_mut(size);
-        let page = self.page;
+        let (page, stop) = (self.page, &self.stop);
         let bands = self.elevation.chunks_mut(size).map(|elevation| SurfaceRows {
             elevation,
             water_depth: depth.next().unwrap_or_default(),
@@ -92,6 +97,7 @@ impl Surface {
             material: material.next().unwrap_or_default(),
             weights: weights.next().unwrap_or_default(),
             page,
+            stop: stop.clone(),
         });
         bands.collect()
     }

@@ -39,6 +39,9 @@ impl Layout {
         let mut evaluation = Evaluation::new(self, isa, window, selection);
         for row in (0..window.rows.len()).step_by(SIDE) {
             for column in (0..window.columns.len()).step_by(SIDE) {
+                if selection.stop.is_set() {
+                    return surface;
+                }
                 evaluation.block(window, [row, column]);
                 evaluation.write(window.columns.len(), base, &mut surface);
             }

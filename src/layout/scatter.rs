@@ -16,7 +16,7 @@ use super::{
     generate::{GenerateError, Ground, Island, Stream, check},
 };
 use crate::{
-    geometry::{Filter, PLANE_LIMIT, Rectangle, Window},
+    geometry::{Filter, PLANE_LIMIT, Rectangle, Stop, Window},
     noise,
 };
 use far::Far;
@@ -264,7 +264,7 @@ impl Scatter {
     /// # Panics
     /// If the base has not one elevation a sample.
     #[must_use]
-    pub fn sample(&self, window: &Window, base: &[f32], wanted: [bool; 3]) -> (LayoutSurface, Vec<u16>, Vec<f32>) {
+    pub fn sample(&self, window: &Window, base: &[f32], wanted: [bool; 3], stop: &Stop) -> (LayoutSurface, Vec<u16>, Vec<f32>) {
         let [cover, materials, shares] = wanted;
         assert!(base.len() == window.samples(), "one elevation a sample");
         let size = |wanted: bool| if wanted { base.len() } else { 0 };
@@ -273,11 +273,21 @@ impl Scatter {
         let surface = LayoutSurface { elevation: base.to_vec(), water_depth: vec![0.0; base.len()], water_cover, dry, fields };
         let forms = self.forms(window.spacing(), window.filter);
         let names = self.materials.len();
-        let mut out = Output { surface, materials: vec![0; size(materials)], shares: vec![0.0; size(shares) * names], names, columns: window.columns.len() };
+        let mut out = Output {
+            surface,
+            materials: vec![0; size(materials)],
+            shares: vec![0.0; size(shares) * names],
+            names,
+            columns: window.columns.len(),
+            stop: stop.clone(),
+        };
         if forms.constant < 1.0 {
             let columns = self.runs(window.columns.coordinates());
             for row in self.runs(window.rows.coordinates()) {
                 for column in &columns {
+                    if stop.is_set() {
+                        break;
+                    }
                     self.sample_cell(window, [&row, column], forms, &mut out);
                 }
             }
@@ -332,7 +342,7 @@ impl Scatter {
     fn near(&self, layout: &Layout, part: &Window, out: &Output) -> (LayoutSurface, Vec<u16>, Vec<f32>) {
         let number = layout.fields().iter().position(|field| *field.name == *"material");
         let fields = number.filter(|_| !out.materials.is_empty() || !out.shares.is_empty()).into_iter().collect();
-        let selection = Selection { fields, cover: !out.surface.water_cover.is_empty(), fractions: !out.shares.is_empty() };
+        let selection = Selection { fields, cover: !out.surface.water_cover.is_empty(), fractions: !out.shares.is_empty(), stop: out.stop.clone() };
         let mut surface = layout.sample(part, far::beneath(&self.template, part.samples()).as_deref(), &selection);
         let Some(FieldSurface::Names { heaviest, fractions }) = surface.fields.pop() else { return (surface, Vec::new(), Vec::new()) };
         // An island may know fewer materials than all do together.

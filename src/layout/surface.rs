@@ -1,6 +1,7 @@
 //! What a layout evaluates to.
 
 use super::{FieldKind, Layout};
+use crate::geometry::Stop;
 
 /// What is wanted beside elevation and depth of water.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -11,6 +12,8 @@ pub struct Selection {
     pub fractions: bool,
     /// Whether the share of each sample that water covers is wanted.
     pub cover: bool,
+    /// What ends the evaluation: then the surface is not whole.
+    pub stop: Stop,
 }
 
 impl Layout {
@@ -18,7 +21,7 @@ impl Layout {
     #[must_use]
     pub fn everything(&self) -> Selection {
         let own = |name: &str| !matches!(name, "elevation" | "water_depth");
-        Selection { fields: (0..self.fields.len()).filter(|&i| own(&self.fields[i].name)).collect(), fractions: true, cover: true }
+        Selection { fields: (0..self.fields.len()).filter(|&i| own(&self.fields[i].name)).collect(), fractions: true, cover: true, stop: Stop::never() }
     }
 }
 

@@ -10,7 +10,7 @@ use super::{
     tape::{Instruction, Points, Slot, Tape},
 };
 use crate::{
-    geometry::{Filter, Window},
+    geometry::{Filter, Stop, Window},
     noise::{Fading, Field, Isa, Networks, Rows, SIDE, Stead, Terrain, Valleys},
 };
 
@@ -197,10 +197,13 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    pub(super) fn run(mut self, window: &Window, out: &mut [f32]) -> u64 {
+    pub(super) fn run(mut self, window: &Window, out: &mut [f32], stop: &Stop) -> u64 {
         let (n, width) = (self.prepared.sampling.n, window.columns.len().max(1));
         let mut fine = vec![0.0; if n > 1 { width * n } else { 0 }];
         for (y, row) in window.rows.coordinates().zip(out.chunks_mut(width)) {
+            if stop.is_set() {
+                break;
+            }
             if n == 1 {
                 self.row(y, row);
                 continue;

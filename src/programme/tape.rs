@@ -8,7 +8,7 @@ use super::{
     operation::Unary,
 };
 use crate::{
-    geometry::Window,
+    geometry::{Stop, Window},
     noise::{Isa, Terrain},
 };
 use std::{collections::BTreeMap, sync::OnceLock};
@@ -159,7 +159,16 @@ impl Tape {
     /// If `out` has not one element a sample.
     pub fn evaluate_on(&self, isa: Isa, frame: &Frame, window: &Window, out: &mut [f32]) -> u64 {
         assert_eq!(out.len(), window.samples(), "one element a sample");
-        Evaluation::new(isa, self, frame, window).run(window, out)
+        Evaluation::new(isa, self, frame, window).run(window, out, &Stop::never())
+    }
+
+    /// As [`Tape::evaluate`], until it is stopped: rows that were not begun then are left as they are.
+    ///
+    /// # Panics
+    /// If `out` has not one element a sample.
+    pub fn evaluate_until(&self, stop: &Stop, frame: &Frame, window: &Window, out: &mut [f32]) -> u64 {
+        assert_eq!(out.len(), window.samples(), "one element a sample");
+        Evaluation::new(Isa::active(), self, frame, window).run(window, out, stop)
     }
 }
 

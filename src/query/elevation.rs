@@ -19,12 +19,21 @@ pub struct PointElevation {
 /// # Errors
 /// If the spacing is not positive or the point lies beyond 2^40 m.
 pub fn elevation(world: &World, x: f64, y: f64, spacing: Option<f64>) -> Result<PointElevation, WindowError> {
-    let window = match spacing {
-        Some(spacing) => Window::point(x, y, spacing, Filter::Band)?,
-        None => Window::point(x, y, 1.0, Filter::Exact)?,
-    };
-    let ground = world.evaluate_with(&window, Wanted { water: true, ..Wanted::default() });
-    Ok(PointElevation { elevation: ground.elevation[0], water_depth: ground.water_depth[0] })
+    Ok(at(world, &point(x, y, spacing)?))
+}
+
+/// The window of one sample.
+pub(super) fn point(x: f64, y: f64, spacing: Option<f64>) -> Result<Window, WindowError> {
+    match spacing {
+        Some(spacing) => Window::point(x, y, spacing, Filter::Band),
+        None => Window::point(x, y, 1.0, Filter::Exact),
+    }
+}
+
+/// The ground at a window's first sample.
+pub(super) fn at(world: &World, window: &Window) -> PointElevation {
+    let ground = world.evaluate_with(window, Wanted { water: true, ..Wanted::default() });
+    PointElevation { elevation: ground.elevation[0], water_depth: ground.water_depth[0] }
 }
 
 #[cfg(test)]

@@ -20,26 +20,34 @@ impl Compute {
         rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(move |i| format!("{name}-{i}")).build().map(Self)
     }
 
-    /// Runs a task on the pool; `done` gets its result there, whether or not somebody still waits.
-    pub(super) fn spawn<T: 'static>(&self, task: impl FnOnce() -> T + Send + 'static, done: impl FnOnce(Result<T, Panicked>) + Send + 'static) {
-        self.0.spawn(move || {
-            done(catch_unwind(AssertUnwindSafe(task)).map_err(|payload| {
-                let message = panic_message(&*payload);
-                tracing::error!(message, "an evaluation panicked");
-                Panicked
-            }));
-        });
+    /// How many threads it has.
+    pub(super) fn threads(&self) -> usize {
+        self.0.current_num_threads()
+    }
+
+    /// Runs a task on the pool.
+    pub(super) fn spawn(&self, task: impl FnOnce() + Send + 'static) {
+        self.0.spawn(task);
     }
 
     /// Runs a task on the pool and waits for its result.
     pub(super) async fn run<T: Send + 'static>(&self, task: impl FnOnce() -> T + Send + 'static) -> Result<T, Panicked> {
         let (sender, receiver) = oneshot::channel();
-        self.spawn(task, move |result| {
+        self.spawn(move || {
             // Nobody may be waiting any more.
-            let _ = sender.send(result);
+            let _ = sender.send(caught(task));
         });
         receiver.await.unwrap_or(Err(Panicked))
     }
+}
+
+/// Runs a task here; a panic ends it alone.
+pub(super) fn caught<T>(task: impl FnOnce() -> T) -> Result<T, Panicked> {
+    catch_unwind(AssertUnwindSafe(task)).map_err(|payload| {
+        let message = panic_message(&*payload);
+        tracing::error!(message, "an evaluation panicked");
+        Panicked
+    })
 }
 
 /// What a panic said, if it was text.

@@ -33,10 +33,23 @@ pub struct ServerConfig {
     pub threads: usize,
     /// The URL that clients reach the server by, base path included; empty: from each request's Host header.
     pub public_url: String,
+    /// Whether anybody may read, or only who has a key.
+    pub reads: Reads,
     /// Seconds that requests under way get to finish after SIGTERM, 0 … 3600.
     pub drain_seconds: u64,
     /// Connections at a time, 1 … 1000000; others wait.
     pub connections: usize,
+}
+
+/// Who may read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Reads {
+    /// Anybody.
+    #[default]
+    Open,
+    /// Who has a key.
+    Keys,
 }
 
 /// What is kept in memory.
@@ -57,8 +70,8 @@ pub struct LimitsConfig {
     pub world_bytes: usize,
     /// Bytes of features in one request, 1 … 536870912.
     pub feature_bytes: usize,
-    /// Seconds of predicted evaluation waiting before new tiles are refused with 503, 1 … 3600.
-    pub pending_seconds: u64,
+    /// Milliseconds that a tile may wait for a thread before it is refused with 503, 1 … 600000; the first 24 wait however long it takes.
+    pub queue_ms: u64,
     /// Requests under way at a time, 1 … 1000000; others are refused with 503.
     pub requests: usize,
     /// Seconds in which the whole head of a request must be there, also that of the next one on a connection, 1 … 3600.
@@ -70,7 +83,7 @@ pub struct LimitsConfig {
 impl Default for ServerConfig {
     fn default() -> Self {
         let listen = SocketAddr::from(([127, 0, 0, 1], 8080));
-        Self { listen, data: "./data-store".into(), threads: 0, public_url: String::new(), drain_seconds: 10, connections: 4096 }
+        Self { listen, data: "./data-store".into(), threads: 0, public_url: String::new(), reads: Reads::Open, drain_seconds: 10, connections: 4096 }
     }
 }
 
@@ -82,7 +95,7 @@ impl Default for CacheConfig {
 
 impl Default for LimitsConfig {
     fn default() -> Self {
-        Self { world_bytes: 1_048_576, feature_bytes: 536_870_912, pending_seconds: 20, requests: 1024, head_seconds: 20, stall_seconds: 20 }
+        Self { world_bytes: 1_048_576, feature_bytes: 536_870_912, queue_ms: 250, requests: 1024, head_seconds: 20, stall_seconds: 20 }
     }
 }
 
@@ -139,7 +152,7 @@ impl Config {
         range("cache.old_revisions", self.cache.old_revisions as u64, 1, 100_000);
         range("limits.world_bytes", self.limits.world_bytes as u64, 1, 16_777_216);
         range("limits.feature_bytes", self.limits.feature_bytes as u64, 1, 536_870_912);
-        range("limits.pending_seconds", self.limits.pending_seconds, 1, 3600);
+        range("limits.queue_ms", self.limits.queue_ms, 1, 600_000);
         range("server.connections", self.server.connections as u64, 1, 1_000_000);
         range("limits.requests", self.limits.requests as u64, 1, 1_000_000);
         range("limits.head_seconds", self.limits.head_seconds, 1, 3600);
@@ -201,7 +214,7 @@ mod tests {
         check(
             "[server]\nlistn = 1",
             &[],
-            "configuration:\n  server.listn: unknown field `listn`, expected one of `listen`, `data`, `threads`, `public_url`, `drain_seconds`, `connections`",
+            "configuration:\n  server.listn: unknown field `listn`, expected one of `listen`, `data`, `threads`, `public_url`, `reads`, `drain_seconds`, `connections`",
         );
         check(
             "[server]\nthreads = 5000\npublic_url = \"ftp://x\"\n[limits]\nworld_bytes = 0",

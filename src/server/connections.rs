@@ -2,6 +2,7 @@
 
 use super::{
     error::ApiError,
+    metrics::Metrics,
     pace::{PacedBody, PacedStream},
 };
 use axum::{Router, body::Body, extract::Request, response::IntoResponse};
@@ -42,6 +43,7 @@ struct Service {
     router: Router,
     limits: Limits,
     requests: Arc<Semaphore>,
+    metrics: Arc<Metrics>,
 }
 
 impl Service {
@@ -50,6 +52,7 @@ impl Service {
         let is_health = matches!(request.uri().path(), "/healthz" | "/readyz");
         let room = if is_health { None } else { Some(self.requests.try_acquire_owned()) };
         if let Some(Err(_)) = room {
+            self.metrics.refused("requests", 1);
             return Ok(ApiError::Busy.into_response());
         }
         let request: Request = request.map(|body| Body::new(PacedBody::new(body, self.limits.stall)));
@@ -63,6 +66,7 @@ impl Service {
         let io = TokioIo::new(PacedStream::new(stream, self.limits.stall));
         let mut builder = http1::Builder::new();
         builder.timer(TokioTimer::new()).header_read_timeout(self.limits.head).max_buf_size(HEAD_BYTES);
+        let open = self.metrics.connected();
         let connection = builder.serve_connection(io, service_fn(move |request| self.clone().answer(request)));
         let connection = graceful.watch(connection);
         tokio::spawn(async move {
@@ -70,14 +74,14 @@ impl Service {
             if let Err(error) = connection.await {
                 tracing::debug!(%error, "a connection ended");
             }
-            drop(room);
+            drop((room, open));
         });
     }
 }
 
 /// Serves connections until `stop`, then lets requests under way finish; the caller decides how long it waits for that.
-pub(super) async fn serve(listener: TcpListener, router: Router, limits: Limits, stop: impl Future<Output = ()>) {
-    let service = Service { router, limits, requests: Arc::new(Semaphore::new(limits.requests)) };
+pub(super) async fn serve(listener: TcpListener, router: Router, metrics: Arc<Metrics>, limits: Limits, stop: impl Future<Output = ()>) {
+    let service = Service { router, limits, requests: Arc::new(Semaphore::new(limits.requests)), metrics };
     let (room, graceful) = (Arc::new(Semaphore::new(limits.connections)), GracefulShutdown::new());
     let mut stop = pin!(stop);
     loop {

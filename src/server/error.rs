@@ -2,7 +2,7 @@
 
 use super::{compute::Panicked, schema, shelf::LoadError, tiles::TileFailure};
 use crate::{
-    store::{Kind, StoreError},
+    store::{Kind, Scope, StoreError},
     world::{DocumentError, Problem},
 };
 use axum::{
@@ -37,10 +37,16 @@ pub(super) enum ApiError {
     CrossSite,
     /// The request may come from another machine, and the server cannot tell who may write.
     ReadOnly,
+    /// The request needs a key that it does not have: what is wrong.
+    Unauthorized(&'static str),
+    /// Its key is for less than this.
+    Scope(Scope),
     /// More work waits than the server takes.
     Overloaded,
     /// More requests are under way than the server takes.
     Busy,
+    /// Evaluations of this revision have failed too often.
+    SetAside,
     /// The server failed.
     Internal,
 }
@@ -99,11 +105,18 @@ impl ApiError {
                 (StatusCode::FORBIDDEN, "cross-site", detail.to_owned(), Vec::new())
             }
             ApiError::ReadOnly => {
-                let detail = "Worlds and programmes are written on the server's own machine alone (http://localhost:PORT, no proxy): no keys say who else may.";
+                let detail = "Without keys, worlds and programmes are written on the server's own machine alone (http://localhost:PORT, no proxy). `terrane key new` makes a key for others.";
                 (StatusCode::FORBIDDEN, "read-only", detail.to_owned(), Vec::new())
             }
+            ApiError::Unauthorized(detail) => (StatusCode::UNAUTHORIZED, "unauthorized", detail.to_owned(), Vec::new()),
+            ApiError::Scope(needed) => (StatusCode::FORBIDDEN, "scope", format!("This key's scope does not reach: {needed} is needed."), Vec::new()),
             ApiError::Overloaded => (StatusCode::SERVICE_UNAVAILABLE, "overloaded", "Too many tiles are waiting; try again shortly.".to_owned(), Vec::new()),
             ApiError::Busy => (StatusCode::SERVICE_UNAVAILABLE, "busy", "Too many requests are under way; try again shortly.".to_owned(), Vec::new()),
+            ApiError::SetAside => {
+                let detail =
+                    "Evaluating this revision has failed repeatedly, so it is set aside until the server starts again; another revision is not affected.";
+                (StatusCode::INTERNAL_SERVER_ERROR, "set-aside", detail.to_owned(), Vec::new())
+            }
             ApiError::Internal => (StatusCode::INTERNAL_SERVER_ERROR, "internal", "The server failed; its log says why.".to_owned(), Vec::new()),
         }
     }
@@ -118,6 +131,9 @@ impl IntoResponse for ApiError {
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
         headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+        if status == StatusCode::UNAUTHORIZED {
+            headers.insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer realm=\"terrane\""));
+        }
         if status == StatusCode::SERVICE_UNAVAILABLE {
             headers.insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
         }
@@ -137,9 +153,13 @@ impl From<StoreError> for ApiError {
         match error {
             StoreError::Unknown { kind, .. } => ApiError::absent(kind.noun(), error.to_string()),
             StoreError::Condition { .. } => ApiError::PreconditionFailed(error.to_string()),
-            StoreError::Folder { .. } | StoreError::InUse(_) | StoreError::Newer { .. } | StoreError::Database(_) => {
-                ApiError::internal("the store failed", &error)
-            }
+            StoreError::Folder { .. }
+            | StoreError::InUse(_)
+            | StoreError::Newer { .. }
+            | StoreError::Older { .. }
+            | StoreError::UnknownKey(_)
+            | StoreError::Random(_)
+            | StoreError::Database(_) => ApiError::internal("the store failed", &error),
         }
     }
 }
@@ -149,6 +169,7 @@ impl From<TileFailure> for ApiError {
         match failure {
             TileFailure::Overloaded => ApiError::Overloaded,
             TileFailure::Failed => ApiError::Internal,
+            TileFailure::SetAside => ApiError::SetAside,
         }
     }
 }

@@ -1,6 +1,10 @@
 //! Validators and caching.
 
-use super::{error::ApiError, extract::entity_tags};
+use super::{
+    error::ApiError,
+    extract::entity_tags,
+    tiles::{Class, Timing},
+};
 use axum::{
     http::{HeaderMap, HeaderValue, StatusCode, header},
     response::{IntoResponse, Response},
@@ -64,4 +68,22 @@ pub(super) fn tagged(response: impl IntoResponse, tag: &str, freshness: Freshnes
 /// 304 with the same headers.
 pub(super) fn not_modified(tag: &str, freshness: Freshness) -> Response {
     tagged(StatusCode::NOT_MODIFIED, tag, freshness)
+}
+
+/// How urgent a request says it is: `Priority` of RFC 9218 (`u=4` and above is not urgent) or `Sec-Purpose: prefetch`.
+pub(super) fn class(request: &HeaderMap) -> Class {
+    let text = |name: &str| request.get(name).and_then(|value| value.to_str().ok()).unwrap_or_default();
+    let urgency = text("priority").split(',').find_map(|part| part.trim().strip_prefix("u=")?.parse::<u8>().ok());
+    let is_prefetch = text("sec-purpose").split([';', ',']).any(|part| part.trim() == "prefetch") || urgency.is_some_and(|urgency| urgency >= 4);
+    if is_prefetch { Class::Prefetch } else { Class::Visible }
+}
+
+/// Adds how long an answer took to make, where it was made now.
+pub(super) fn timed(mut response: Response, timing: Option<Timing>) -> Response {
+    let Some(Timing { queued, evaluated }) = timing else { return response };
+    let [queued, evaluated] = [queued, evaluated].map(|time| time.as_secs_f64() * 1e3);
+    if let Ok(value) = HeaderValue::from_str(&format!("queue;dur={queued:.2}, evaluate;dur={evaluated:.2}")) {
+        response.headers_mut().insert("server-timing", value);
+    }
+    response
 }

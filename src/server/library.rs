@@ -7,6 +7,7 @@ use super::{
     state::App,
 };
 use crate::{
+    geometry::{Stop, Until},
     store::{Content, Kind, Store},
     tile::{self, PREVIEW_FORM, TileError},
     world::{DocumentError, FeatureSets, Fingerprint, PRESETS, Preset, Revision, Survey, World},
@@ -80,9 +81,9 @@ impl Shown {
     }
 
     /// Its picture: the place that shows most relief, on the calling thread.
-    pub(super) fn preview(&self, pixels: usize) -> Result<Vec<u8>, TileError> {
+    pub(super) fn preview(&self, pixels: usize, stop: &Stop) -> Result<Vec<u8>, TileError> {
         let window = Survey::of(&self.world).window(pixels);
-        Ok(tile::preview(&self.world, &window, self.preset.sea_level)?)
+        tile::preview(&Until { source: &self.world, stop: stop.clone() }, &window, self.preset.sea_level)
     }
 }
 

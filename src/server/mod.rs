@@ -1,5 +1,6 @@
 //! HTTP: parse, call, answer.
 
+mod access;
 mod address;
 mod compute;
 mod config;
@@ -12,6 +13,8 @@ mod features;
 mod handler;
 mod headers;
 mod library;
+mod metrics;
+mod observe;
 mod pace;
 mod router;
 mod schema;
@@ -25,9 +28,10 @@ mod style;
 mod tilejson;
 mod tiles;
 mod upload;
+mod wmts;
 mod worlds;
 
-pub use config::{CacheConfig, Config, ConfigError, LimitsConfig, ServerConfig};
+pub use config::{CacheConfig, Config, ConfigError, LimitsConfig, Reads, ServerConfig};
 pub use router::{openapi, router};
 pub use serve::serve;
 pub use state::App;

@@ -1,24 +1,27 @@
 //! Every call, and the layers around them.
 
 use super::{
-    compute::panic_message,
+    access::{guard, needed},
+    config::Reads,
     error::ApiError,
     handler::{catalog, description, elevation, feature, feature_edit, health, layer, programme, shader, tile, viewer, world},
+    observe::observe,
     state::App,
 };
 use axum::{
     Router,
-    extract::{DefaultBodyLimit, Request, State},
-    http::{HeaderMap, HeaderValue, Method, header, uri::Authority},
-    middleware::{self, Next},
-    response::{IntoResponse, Response},
+    extract::DefaultBodyLimit,
+    http::{HeaderName, Method, header},
+    middleware,
 };
-use std::{any::Any, net::IpAddr};
-use tower_http::{
-    catch_panic::CatchPanicLayer,
-    cors::{Any as AnyOrigin, CorsLayer},
+use tower_http::cors::{AllowHeaders, Any as AnyOrigin, CorsLayer};
+use utoipa::{
+    OpenApi,
+    openapi::{
+        ContentBuilder, RefOr, ResponseBuilder,
+        security::{HttpAuthScheme, HttpBuilder, SecurityRequirement, SecurityScheme},
+    },
 };
-use utoipa::OpenApi;
 use utoipa_axum::{router::OpenApiRouter, routes};
 
 #[derive(OpenApi)]
@@ -42,7 +45,9 @@ fn documented() -> OpenApiRouter<App> {
         .routes(routes!(description::get_openapi))
         .routes(routes!(health::get_liveness))
         .routes(routes!(health::get_readiness))
+        .routes(routes!(health::get_metrics))
         .routes(routes!(catalog::get_catalog))
+        .routes(routes!(catalog::get_wmts))
         .routes(routes!(catalog::list_worlds, world::post_world))
         .routes(routes!(world::get_world, world::put_world, world::delete_world))
         .routes(routes!(world::list_revisions))
@@ -55,7 +60,8 @@ fn documented() -> OpenApiRouter<App> {
         .routes(routes!(programme::get_tree))
         .routes(routes!(programme::get_preview))
         .routes(routes!(tile::get_style))
-        .routes(routes!(elevation::get_elevation))
+        .routes(routes!(elevation::get_elevation, elevation::post_elevation))
+        .routes(routes!(elevation::get_profile))
         .routes(routes!(shader::get_glsl))
         .routes(routes!(shader::get_wgsl))
         .routes(routes!(tile::get_tilejson))
@@ -66,63 +72,52 @@ fn documented() -> OpenApiRouter<App> {
 /// The `OpenAPI` 3.1 description of the interface.
 #[must_use]
 pub fn openapi() -> utoipa::openapi::OpenApi {
-    documented().split_for_parts().1
+    let mut described = documented().split_for_parts().1;
+    describe_keys(&mut described);
+    described
+}
+
+/// Adds to every call that may need a key how to give it, and what is answered without it.
+fn describe_keys(described: &mut utoipa::openapi::OpenApi) {
+    const NAME: &str = "key";
+    let problem = || {
+        let schema = RefOr::Ref(utoipa::openapi::Ref::from_schema_name("ProblemDetails"));
+        ContentBuilder::new().schema(Some(schema)).build()
+    };
+    let answer = |description: &str| ResponseBuilder::new().description(description).content("application/problem+json", problem()).build();
+    let scheme = HttpBuilder::new().scheme(HttpAuthScheme::Bearer).description(Some("A key of `terrane key new`")).build();
+    described.components.get_or_insert_default().add_security_scheme(NAME, SecurityScheme::Http(scheme));
+    for (path, item) in &mut described.paths.paths {
+        let reads = [&mut item.get].into_iter().flatten().map(|operation| (operation, Method::GET));
+        let writes = [&mut item.post, &mut item.put, &mut item.delete].into_iter().flatten().map(|operation| (operation, Method::POST));
+        for (operation, method) in reads.chain(writes) {
+            let Some(scope) = needed(&method, path, Reads::Keys) else { continue };
+            // An empty requirement says that it also goes without one.
+            operation.security = Some(vec![SecurityRequirement::default(), SecurityRequirement::new(NAME, [scope.name()])]);
+            let responses = &mut operation.responses.responses;
+            responses.insert("401".to_owned(), answer("A key is needed, or there is no such key").into());
+            responses.entry("403".to_owned()).or_insert_with(|| answer("The key's scope does not reach").into());
+        }
+    }
 }
 
 /// The whole service.
 pub fn router(app: App) -> Router {
     let (router, _) = documented().split_for_parts();
-    let cors = CorsLayer::new().allow_origin(AnyOrigin).allow_methods([Method::GET, Method::HEAD]).allow_headers(AnyOrigin).expose_headers([
-        header::ETAG,
-        header::LOCATION,
-        header::RETRY_AFTER,
-    ]);
+    let cors =
+        CorsLayer::new().allow_origin(AnyOrigin).allow_methods([Method::GET, Method::HEAD]).allow_headers(AllowHeaders::mirror_request()).expose_headers([
+            header::ETAG,
+            header::LOCATION,
+            header::RETRY_AFTER,
+            HeaderName::from_static("server-timing"),
+            HeaderName::from_static("x-request-id"),
+        ]);
     router
         .fallback(viewer::get_file)
         .method_not_allowed_fallback(async || ApiError::MethodNotAllowed)
         .layer(DefaultBodyLimit::max(app.0.world_bytes))
-        .layer(middleware::from_fn_with_state(app.clone(), guard_writes))
+        .layer(middleware::from_fn_with_state(app.clone(), guard))
         .layer(cors)
-        .layer(CatchPanicLayer::custom(panicked))
+        .layer(middleware::from_fn_with_state(app.clone(), observe))
         .with_state(app)
-}
-
-/// Refuses writes that may come from another machine, or that a browser makes for a page of another site: reads are open to all, a user's worlds and
-/// programmes are not theirs to change.
-async fn guard_writes(State(app): State<App>, request: Request, next: Next) -> Response {
-    if matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS) {
-        return next.run(request).await;
-    }
-    if !app.0.writable || !is_local(request.headers()) {
-        return ApiError::ReadOnly.into_response();
-    }
-    if is_cross_site(request.headers()) {
-        return ApiError::CrossSite.into_response();
-    }
-    next.run(request).await
-}
-
-/// Whether a request was made to this machine by its own name and came through no proxy. A name that merely resolves to this machine may be a stranger's.
-fn is_local(headers: &HeaderMap) -> bool {
-    let proxied = ["forwarded", "via", "x-forwarded-for", "x-forwarded-host", "x-forwarded-proto", "x-real-ip"].iter().any(|name| headers.contains_key(*name));
-    let authority = headers.get(header::HOST).and_then(|host| host.to_str().ok()).and_then(|host| host.parse::<Authority>().ok());
-    let loopback = authority.is_some_and(|authority| {
-        let host = authority.host();
-        host == "localhost" || host.trim_matches(['[', ']']).parse::<IpAddr>().is_ok_and(|address| address.is_loopback())
-    });
-    loopback && !proxied
-}
-
-/// Whether a browser says that the page behind a request is not one of this server's.
-fn is_cross_site(headers: &HeaderMap) -> bool {
-    let site = headers.get("sec-fetch-site").map(HeaderValue::as_bytes);
-    let host = headers.get(header::HOST).map(HeaderValue::as_bytes);
-    let origin = headers.get(header::ORIGIN).map(HeaderValue::as_bytes);
-    let own = origin.is_none_or(|origin| host.is_some_and(|host| origin.strip_prefix(b"http://") == Some(host)));
-    !own || !matches!(site, None | Some(b"same-origin" | b"none"))
-}
-
-#[expect(clippy::needless_pass_by_value, reason = "the layer hands the payload over")]
-fn panicked(payload: Box<dyn Any + Send>) -> Response {
-    ApiError::internal("a handler panicked", &panic_message(&*payload)).into_response()
 }

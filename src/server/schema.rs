@@ -1,6 +1,6 @@
 //! The JSON that goes over the wire, as `OpenAPI` describes it.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 /// A world document. Requests may leave out what has a default; responses hold every field.
@@ -217,6 +217,45 @@ pub(super) struct ElevationSchema {
     pub water_depth: f32,
 }
 
+/// Points that are asked for: one of `points` and `lonlats`.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct BatchSchema {
+    /// `[x, y]` in metres, at most 10,000.
+    pub points: Option<Vec<[f64; 2]>>,
+    /// `[longitude, latitude]` in degrees, on the plane as Web Mercator has them, at most 10,000.
+    pub lonlats: Option<Vec<[f64; 2]>>,
+    /// Metres a pixel: the elevations as tiles of this spacing see them. Without it, the function as it is.
+    pub spacing: Option<f64>,
+}
+
+/// The ground at points, in their order.
+#[derive(Serialize, ToSchema)]
+pub(super) struct ElevationsSchema {
+    /// Elevation of the ground in metres, also under water.
+    pub elevation: Vec<f32>,
+    /// Depth of the water above it in metres, 0 on land.
+    pub water_depth: Vec<f32>,
+}
+
+/// The ground along a line, in metres.
+#[derive(Serialize, ToSchema)]
+pub(super) struct ProfileSchema {
+    /// Of the line on the plane.
+    pub length: f64,
+    /// The sum of all rises between neighbours, and that of all falls.
+    pub ascent: f64,
+    pub descent: f64,
+    /// Of each point from the first, along the line.
+    pub distance: Vec<f64>,
+    /// `[x, y]`.
+    pub points: Vec<[f64; 2]>,
+    /// Of the ground, also under water.
+    pub elevation: Vec<f32>,
+    /// Depth of the water above it, 0 on land.
+    pub water_depth: Vec<f32>,
+}
+
 /// A feature (RFC 7946), in world metres; the third coordinate is the elevation.
 #[derive(ToSchema)]
 #[schema(as = Feature)]
@@ -314,6 +353,10 @@ pub(super) struct ProblemEntry {
 }
 
 impl ProblemEntry {
+    pub(super) fn pointer(pointer: String, detail: impl Into<String>) -> Self {
+        Self { pointer: Some(pointer), parameter: None, detail: detail.into(), at: None, start: None, end: None }
+    }
+
     pub(super) fn parameter(name: &str, detail: impl Into<String>) -> Self {
         Self { pointer: None, parameter: Some(name.to_owned()), detail: detail.into(), at: None, start: None, end: None }
     }

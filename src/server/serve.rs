@@ -6,7 +6,7 @@ use super::{
     router,
     state::{App, StartError},
 };
-use std::time::Duration;
+use std::{sync::Arc, time::Duration};
 use tokio::{net::TcpListener, signal, sync::watch};
 
 /// Open files for anything but connections.
@@ -23,7 +23,7 @@ pub async fn serve(config: &Config) -> Result<(), StartError> {
     let address = listener.local_addr().map_err(listen)?;
     tracing::info!("listening on http://{address}");
     if !address.ip().is_loopback() {
-        tracing::info!("other machines reach this address, so worlds can only be read: writes answer 403");
+        tracing::info!("other machines reach this address: reads are open, writes need a key (terrane key new)");
     }
 
     let (stops, mut stopped) = watch::channel(false);
@@ -52,7 +52,7 @@ pub async fn serve(config: &Config) -> Result<(), StartError> {
         }
     };
     tokio::select! {
-        () = connections::serve(listener, router(app.clone()), limits(config), stop) => {}
+        () = connections::serve(listener, router(app.clone()), Arc::clone(&app.0.metrics), limits(config), stop) => {}
         () = late => {}
     }
     app.close().await;

@@ -1,10 +1,12 @@
 //! What all handlers share.
 
 use super::{
+    access::Keys,
     compute::Compute,
-    config::Config,
+    config::{Config, Reads},
     editing::Editing,
     library::{self, Shown},
+    metrics::Metrics,
     sets::StoredSets,
     shelf::{LoadError, Shelf},
     tiles::Tiles,
@@ -27,6 +29,7 @@ pub(super) struct AppState {
     pub worlds: Worlds,
     pub library: Shelf<Shown>,
     pub tiles: Tiles,
+    pub metrics: Arc<Metrics>,
     /// Threads for single points and first looks at worlds, so that these do not wait behind tiles.
     pub queries: Arc<Compute>,
     /// Without a slash at its end; empty: from each request's Host header.
@@ -34,8 +37,10 @@ pub(super) struct AppState {
     pub world_bytes: usize,
     pub feature_bytes: usize,
     pub editing: Editing,
-    /// Whether worlds and programmes can be written: only where no other machine is meant to reach the server.
-    pub writable: bool,
+    pub keys: Keys,
+    pub reads: Reads,
+    /// Whether no other machine is meant to reach the server: then its own may write without a key.
+    pub is_local: bool,
     store: Store,
     draining: AtomicBool,
 }
@@ -68,6 +73,7 @@ impl App {
         let load = |error: LoadError| StartError::Load(Box::new(error));
         let compute = Compute::new("tile", config.server.threads)?;
         let queries = Arc::new(Compute::new("query", config.server.threads)?);
+        let metrics = Arc::new(Metrics::new());
         let store = Store::open(&config.server.data).await.map_err(|error| load(error.into()))?;
         let old_revisions = NonZeroUsize::new(config.cache.old_revisions).unwrap_or(NonZeroUsize::MIN);
         let sets = Arc::new(StoredSets::new(store.clone()));
@@ -76,13 +82,16 @@ impl App {
         Ok(Self(Arc::new(AppState {
             worlds,
             library,
-            tiles: Tiles::new(compute, config.cache.tile_bytes, config.limits.pending_seconds as f64 * 1e9),
+            tiles: Tiles::new(compute, Arc::clone(&metrics), config.cache.tile_bytes, config.limits.queue_ms),
+            metrics,
             queries,
             public_url: config.server.public_url.trim_end_matches('/').to_owned(),
             world_bytes: config.limits.world_bytes,
             feature_bytes: config.limits.feature_bytes,
             editing: Editing::new(),
-            writable: config.server.listen.ip().is_loopback() && config.server.public_url.is_empty(),
+            keys: Keys::load(store.clone()).await.map_err(|error| load(error.into()))?,
+            reads: config.server.reads,
+            is_local: config.server.listen.ip().is_loopback() && config.server.public_url.is_empty(),
             store,
             draining: AtomicBool::new(false),
         })))
@@ -91,7 +100,7 @@ impl App {
     /// How many tiles were evaluated since the start.
     #[must_use]
     pub fn evaluations(&self) -> u64 {
-        self.0.tiles.evaluations()
+        self.0.metrics.evaluations()
     }
 
     /// Says from now on that no new requests should come.

@@ -24,6 +24,14 @@ pub enum StoreError {
         /// The newest layout known.
         known: i64,
     },
+    /// The database is that of an older version whose server runs.
+    #[error("the database has layout {found}, this version of terrane has {known}, and an older server uses it: stop that first")]
+    Older {
+        /// The layout found.
+        found: i64,
+        /// The layout of this version.
+        known: i64,
+    },
     /// There is no such document.
     #[error("no {kind} is named {name:?}")]
     Unknown {
@@ -40,6 +48,12 @@ pub enum StoreError {
         /// Where it is; `None` if it is absent.
         revision: Option<String>,
     },
+    /// There is no such key.
+    #[error("no key has the id {0:?}; `terrane key list` shows them")]
+    UnknownKey(String),
+    /// The system gives no random bytes.
+    #[error("the system gives no random bytes: {0}")]
+    Random(String),
     /// The database failed.
     #[error("the database: {0}")]
     Database(#[from] sqlx::Error),

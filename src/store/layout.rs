@@ -1,14 +1,14 @@
 //! The tables, and how those of older versions become those of this one.
 
 use super::StoreError;
-use sqlx::{Executor, Sqlite, SqliteConnection};
+use sqlx::{Executor, Sqlite, SqliteConnection, SqlitePool};
 
 /// The layout of the tables, kept in `PRAGMA user_version`: how many of the steps below were done.
 pub(super) const LAYOUT: i64 = STEPS.len() as i64;
 
 /// From each layout to the next. Append-only, as the tables are: a document is stored once under its content's name, and every save or deletion of a name is a
 /// row; a deletion has no revision.
-const STEPS: [&str; 3] = [
+const STEPS: [&str; 4] = [
     "
     CREATE TABLE document (revision TEXT PRIMARY KEY, body TEXT NOT NULL) STRICT;
     CREATE TABLE history (
@@ -53,6 +53,16 @@ const STEPS: [&str; 3] = [
     ) STRICT, WITHOUT ROWID;
     PRAGMA user_version = 3;
     ",
+    "
+    CREATE TABLE key (
+        id TEXT PRIMARY KEY,
+        name TEXT NOT NULL,
+        scope TEXT NOT NULL,
+        time TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),
+        hash TEXT NOT NULL UNIQUE
+    ) STRICT, WITHOUT ROWID;
+    PRAGMA user_version = 4;
+    ",
 ];
 
 /// What lets a connection that may not write read layout 1 as this one.
@@ -77,6 +87,12 @@ pub(super) async fn lay_out(transaction: &mut SqliteConnection) -> Result<(), St
         sqlx::raw_sql(*step).execute(&mut *transaction).await?;
     }
     Ok(())
+}
+
+/// Whether the tables are of this version's layout.
+pub(super) async fn check_current(pool: &SqlitePool) -> Result<(), StoreError> {
+    let found = found(pool).await?;
+    if found == LAYOUT { Ok(()) } else { Err(StoreError::Older { found, known: LAYOUT }) }
 }
 
 /// Lets a connection that may not write read tables of this version's layout or of an older one.

@@ -1,11 +1,13 @@
-//! What a server keeps: every saved revision of every world and of every programme of the library, and the sets of features that worlds name.
+//! What a server keeps: every saved revision of every world and of every programme of the library, the sets of features that worlds name, and keys.
 
 mod content;
 mod error;
 mod feature_set;
+mod keys;
 mod layout;
 mod sqlite;
 
 pub use content::{Content, Kind};
 pub use error::StoreError;
+pub use keys::{KeyEntry, Scope, hash_of};
 pub use sqlite::{Condition, RevisionEntry, Saved, Store, StoredDocument};

@@ -106,6 +106,22 @@ impl Store {
         Ok(store)
     }
 
+    /// Opens the store in a folder for its keys, beside a server or without one.
+    ///
+    /// # Errors
+    /// As [`Store::open`], but for another server that uses the folder.
+    pub async fn open_beside(folder: &Path) -> Result<Self, StoreError> {
+        match Self::open(folder).await {
+            // That server has brought the tables to its layout.
+            Err(StoreError::InUse(_)) => {
+                let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options(folder).synchronous(SqliteSynchronous::Full)).await?;
+                layout::check_current(&pool).await?;
+                Ok(Self { pool, _lock: None })
+            }
+            opened => opened,
+        }
+    }
+
     /// Opens a store that there is, for reading, beside a server or without one.
     ///
     /// # Errors
@@ -118,7 +134,7 @@ impl Store {
     }
 
     /// A transaction that holds the write lock from its start, so that what it reads stays true until it commits.
-    async fn begin(&self) -> Result<Transaction<'static, Sqlite>, StoreError> {
+    pub(super) async fn begin(&self) -> Result<Transaction<'static, Sqlite>, StoreError> {
         Ok(self.pool.begin_with("BEGIN IMMEDIATE").await?)
     }
 

@@ -111,6 +111,9 @@ pub enum TileError {
     /// There is no such tile.
     #[error(transparent)]
     Grid(#[from] GridError),
+    /// It was no longer wanted.
+    #[error("it was stopped")]
+    Stopped,
     /// It could not be encoded.
     #[error(transparent)]
     Encode(#[from] EncodeError),
@@ -121,7 +124,7 @@ pub enum TileError {
 /// Tilesets that need neighbours get true samples around the tile.
 ///
 /// # Errors
-/// If the grid has no such tile, or encoding fails.
+/// If the grid has no such tile, encoding fails, or the source was stopped ([`crate::geometry::Until`]).
 pub fn render(source: &impl Source, request: &TileRequest) -> Result<Vec<u8>, TileError> {
     if request.tileset == Tileset::QuantizedMesh {
         return mesh::draw(source, request);
@@ -130,6 +133,9 @@ pub fn render(source: &impl Source, request: &TileRequest) -> Result<Vec<u8>, Ti
     let wanted = request.tileset.wanted();
     let mut surface = Surface::with(&window, Wanted { water: wanted.water || request.height == Height::Water, ..wanted });
     source.sample(&window, &mut surface);
+    if surface.stop.is_set() {
+        return Err(TileError::Stopped);
+    }
     if request.tileset == Tileset::Contours {
         if request.height == Height::Water {
             surface.raise_to_water();

@@ -1,7 +1,7 @@
 //! A picture of terrain that nobody has seen yet.
 
 use super::{
-    EncodeError, Image,
+    Image, TileError,
     raster::{Pixels, Raster},
     relief,
 };
@@ -31,15 +31,18 @@ const STRETCH: [f64; 2] = [0.2, 40.0];
 /// ```
 ///
 /// # Errors
-/// If the image encoder fails, as it does for a window without samples.
-pub fn preview(source: &impl Source, window: &Window, sea_level: f64) -> Result<Vec<u8>, EncodeError> {
+/// If the image encoder fails, as it does for a window without samples, or the source was stopped.
+pub fn preview(source: &impl Source, window: &Window, sea_level: f64) -> Result<Vec<u8>, TileError> {
     let grown = window.with_apron(1);
     let mut surface = Surface::of(&grown);
     source.sample(&grown, &mut surface);
+    if surface.stop.is_set() {
+        return Err(TileError::Stopped);
+    }
     let ramp = Ramp::over(sea_level, bulk(&surface).map(f64::from));
     let spacing = window.spacing() / stretch(&surface, window.spacing(), sea_level as f32);
     let size = [window.columns.len(), window.rows.len()];
-    Raster { size, pixels: Pixels::Rgb, bytes: relief::draw(&surface, spacing, &ramp) }.encode(Image::Png)
+    Raster { size, pixels: Pixels::Rgb, bytes: relief::draw(&surface, spacing, &ramp) }.encode(Image::Png).map_err(TileError::from)
 }
 
 /// Elevations that 0.5 % and 99.5 % of the samples lie below: one needle of rock must not take the colours from all the rest.

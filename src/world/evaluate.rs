@@ -126,7 +126,7 @@ impl World {
 
     /// Fills rows; answers how many node results were not finite.
     fn fill(&self, window: &Window, mut rows: SurfaceRows) -> u64 {
-        let non_finite = self.tape.evaluate(&self.frame, window, rows.elevation);
+        let non_finite = self.tape.evaluate_until(&rows.stop, &self.frame, window, rows.elevation);
         let (datum, amplitude) = (self.document.base.datum as f32, self.document.base.amplitude as f32);
         for value in &mut *rows.elevation {
             *value = datum + amplitude * *value;
@@ -134,6 +134,9 @@ impl World {
         let mut dry = vec![0.0; rows.water_cover.len()];
         let mut shares = weights::base(rows.weights.len(), self.materials.len());
         for (i, materials) in &self.order {
+            if rows.stop.is_set() {
+                break;
+            }
             rows = self.document.layers[*i].lay(window, Below { rows, dry: &mut dry, materials, shares: &mut shares });
         }
         weights::write(&shares, self.materials.len(), rows.page, rows.weights);

@@ -1,17 +1,21 @@
-import { spawn } from 'node:child_process';
+import { execFile, spawn } from 'node:child_process';
 import { mkdtemp, rm } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { promisify } from 'node:util';
 
 const BINARY = process.env.TERRANE_BIN ?? fileURLToPath(new URL('../../target/release/terrane', import.meta.url));
 
-/** Starts the real server on a free port with an empty data folder. */
-export async function startServer() {
+const run = promisify(execFile);
+
+/** Starts the real server on a free port with an empty data folder, closed to those without the key if one is wished for. */
+export async function startServer({ keyed = false } = {}) {
   const data = await mkdtemp(join(tmpdir(), 'terrane-browser-'));
+  const key = keyed ? (await run(BINARY, ['key', 'new', 'a browser', '--data', data])).stdout.trim() : '';
   const child = spawn(BINARY, ['serve', '--listen', '127.0.0.1:0', '--data', data], {
     stdio: ['ignore', 'inherit', 'pipe'],
-    env: { ...process.env, NO_COLOR: '1' },
+    env: { ...process.env, NO_COLOR: '1', ...(keyed ? { TERRANE_SERVER__READS: 'keys' } : {}) },
   });
   let log = '';
   const url = await new Promise((resolve, reject) => {
@@ -30,6 +34,7 @@ export async function startServer() {
   };
   return {
     url,
+    key,
     get,
     /** Everything the server has written to stderr, without colours. */
     log: () => log.replace(/\x1b\[[0-9;]*m/g, ''),

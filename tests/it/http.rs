@@ -2,7 +2,8 @@
 
 use crate::client::Client;
 use axum::http::{Method, StatusCode};
-use serde_json::json;
+use quick_xml::events::Event;
+use serde_json::{Value, json};
 use terrane::world::{Document, World};
 
 #[tokio::test]
@@ -260,4 +261,118 @@ async fn exact_tiles_that_would_take_minutes_are_refused() {
     let refused = client.get("/worlds/valleys/metric/r32/3/0/0.bin?filter=exact").await.problem();
     assert!(refused.starts_with("400 filter: samples 16384 m apart would take this world about"), "{refused}");
     assert_eq!(client.get("/worlds/valleys/metric/r32/3/0/0.bin").await.status, StatusCode::OK);
+}
+
+#[tokio::test]
+async fn answers_say_how_long_they_took_and_metrics_count_them() {
+    let client = Client::new().await;
+    let path = "/worlds/alps/web/terrarium/9/256/255.png";
+    let cold = client.send(Method::GET, path, &[("x-request-id", "mine-1"), ("sec-purpose", "prefetch;prerender")], "").await;
+    assert!(cold.header("server-timing").starts_with("queue;dur=") && cold.header("server-timing").contains(", evaluate;dur="), "{:?}", cold.headers);
+    assert_eq!(cold.header("x-request-id"), "mine-1");
+    let warm = client.get(path).await;
+    assert_eq!((warm.header("server-timing"), warm.header("x-request-id").len(), warm.body == cold.body), ("", 16, true));
+    assert_eq!(client.get("/worlds/nowhere/web/terrarium/9/256/255.png").await.status, StatusCode::NOT_FOUND);
+    let metrics = client.get("/metrics").await;
+    assert_eq!(metrics.header("content-type"), "application/openmetrics-text; version=1.0.0; charset=utf-8");
+    let text = String::from_utf8(metrics.body.to_vec()).unwrap();
+    let route = "/worlds/{world}/{grid}/{tileset}/{z}/{x}/{y}";
+    for line in [
+        &format!("terrane_requests_total{{method=\"GET\",route=\"{route}\",status=\"200\"}} 2"),
+        &format!("terrane_requests_total{{method=\"GET\",route=\"{route}\",status=\"404\"}} 1"),
+        &format!("terrane_request_seconds_count{{route=\"{route}\"}} 3"),
+        "terrane_evaluations_total{tileset=\"terrarium\",source=\"programme\"} 1",
+        "terrane_queue_seconds_count{class=\"prefetch\"} 1",
+        "terrane_tile_lookups_total{result=\"hit\"} 1",
+        "terrane_tile_lookups_total{result=\"miss\"} 1",
+        "terrane_cached_tiles 1",
+        "terrane_tiles_waiting{class=\"visible\"} 0",
+        "# EOF",
+    ] {
+        assert!(text.lines().any(|other| other == line), "{line} is not in\n{text}");
+    }
+}
+
+#[tokio::test]
+async fn many_points_and_lines_are_answered_as_single_points_are() {
+    let client = Client::new().await;
+    let post = async |body: Value| client.send(Method::POST, "/worlds/ridges-and-rivers/elevation", &[("host", "maps.example.org")], body.to_string()).await;
+    let alone = client.get("/worlds/ridges-and-rivers/elevation?x=1200.5&y=-900").await.json();
+    let many = post(json!({"points": [[0, 0], [1200.5, -900], [3000, 3000]]})).await;
+    assert_eq!((many.status, many.header("cache-control")), (StatusCode::OK, "no-store"), "asking is no write, whoever asks");
+    let many = many.json();
+    assert_eq!((&many["elevation"][1], &many["water_depth"][1]), (&alone["elevation"], &alone["water_depth"]));
+    let there = client.get("/worlds/ridges-and-rivers/elevation?lon=0.01&lat=0.02&spacing=30").await.json();
+    let many = post(json!({"lonlats": [[0.01, 0.02]], "spacing": 30})).await.json();
+    assert_eq!(many, json!({"elevation": [there["elevation"]], "water_depth": [there["water_depth"]]}));
+
+    let line = client.get("/worlds/ridges-and-rivers/profile?line=0,0,2401,-1800,2401,0&samples=5").await;
+    assert_eq!(line.header("cache-control"), "no-cache");
+    let line = line.json();
+    assert_eq!((&line["points"][0], &line["points"][4], &line["distance"][0]), (&json!([0.0, 0.0]), &json!([2401.0, 0.0]), &json!(0.0)));
+    let last = client.get("/worlds/ridges-and-rivers/elevation?x=2401&y=0").await.json();
+    assert_eq!(line["elevation"][4], last["elevation"]);
+    let climb = line["ascent"].as_f64().unwrap() - line["descent"].as_f64().unwrap();
+    let ends = line["elevation"][4].as_f64().unwrap() - line["elevation"][0].as_f64().unwrap();
+    assert!((climb - ends).abs() < 1e-3 && (line["length"].as_f64().unwrap() - 4800.75).abs() < 0.1, "{line}");
+
+    for (body, problem) in [
+        (json!({"points": [[0, 0], [1e13, 0]]}), "400 /points/1: "),
+        (json!({"points": vec![[0, 0]; 10_001]}), "400 /points: must be at most 10000 points, got 10001"),
+        (json!({"points": [[0, 0], [1, 2, 3]]}), "400 /points/1: "),
+        (json!({"points": [[0, "a"]]}), "400 /points/0/1: invalid type: string \"a\", expected f64"),
+        (json!({"lonlats": [[0, 89]]}), "400 /lonlats/0: a latitude must be within"),
+        (json!({"points": [[0, 0]], "spacing": 0}), "400 /spacing: "),
+        (json!({"point": []}), "400 /point: unknown field `point`"),
+        (json!({}), "400 : either points"),
+    ] {
+        let answer = post(body).await.problem();
+        assert!(answer.starts_with(problem), "{answer}, not {problem}");
+    }
+    for (query, problem) in [
+        ("", "400 line: a line is given by"),
+        ("?line=0,0", "400 line: must be 2 to 256 pairs"),
+        ("?line=0,0,1", "400 line: must be 2 to 256 pairs"),
+        ("?line=0,0,1,1&samples=1", "400 samples: must be a whole number 2 … 10000"),
+        ("?lonlat=0,0,0,89", "400 lonlat: a latitude must be within"),
+        ("?line=0,0,1e14,0", "400 line: "),
+        ("?line=0,0,5,5&spacing=-1", "400 spacing: "),
+    ] {
+        let answer = client.get(&format!("/worlds/ridges-and-rivers/profile{query}")).await.problem();
+        assert!(answer.starts_with(problem), "{answer}, not {problem}");
+    }
+}
+
+#[tokio::test]
+async fn gis_programs_find_every_world_in_the_capabilities() {
+    let client = Client::new().await;
+    let world = r#"{"seed": 1, "title": "Peaks & <pits>", "description": "a \"new\" one", "base": {"programme": "x", "scale": 1}}"#;
+    assert_eq!(client.put("/worlds/peaks", world).await.status, StatusCode::CREATED);
+    let answer = client.get("/wmts?SERVICE=WMTS&REQUEST=GetCapabilities").await;
+    assert_eq!((answer.header("content-type"), answer.header("cache-control")), ("application/xml", "no-cache"));
+    let xml = String::from_utf8(answer.body.to_vec()).unwrap();
+    let mut reader = quick_xml::Reader::from_str(&xml);
+    reader.config_mut().check_end_names = true;
+    let (mut templates, mut denominators, mut titles, mut within) = (Vec::new(), Vec::new(), Vec::new(), String::new());
+    loop {
+        match reader.read_event().unwrap() {
+            Event::Eof => break,
+            Event::Start(start) => start.name().as_ref().clone_into(&mut within),
+            Event::Empty(element) if element.name().as_ref() == "ResourceURL" => {
+                let template = element.attributes().map(Result::unwrap).find(|attribute| attribute.key.as_ref() == "template").unwrap();
+                templates.push(template.value.into_owned());
+            }
+            Event::Text(text) if within == "ScaleDenominator" => denominators.extend(text.trim().parse::<f64>()),
+            Event::Text(text) if within == "ows:Title" => titles.push(text.to_string()),
+            _ => {}
+        }
+    }
+    assert_eq!((templates.len(), denominators.len()), (11 * 5, 25));
+    // The first scale of the well-known set that it names.
+    assert!((denominators[0] - 559_082_264.028_717_8).abs() < 1e-6);
+    assert!(xml.contains("<ows:Title>Peaks &amp; &lt;pits&gt;: relief</ows:Title><ows:Abstract>a &quot;new&quot; one</ows:Abstract>"), "{titles:?}");
+    for template in templates.iter().filter(|template| template.contains("/peaks/")) {
+        let path = template.strip_prefix("http://localhost:8080").unwrap().replace("{TileMatrix}", "3").replace("{TileCol}", "2").replace("{TileRow}", "1");
+        assert_eq!(client.get(&path).await.status, StatusCode::OK, "{path}");
+    }
 }

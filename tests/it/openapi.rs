@@ -56,12 +56,17 @@ async fn every_described_operation_is_there() {
                 let method: Method = method.to_uppercase().parse().unwrap();
                 let path = fill(template);
                 assert!(!path.contains('{'), "{path}: give the parameter a value here");
-                let query = if template.ends_with("/elevation") { "?x=0&y=0" } else { "" };
+                let query = match template.rsplit('/').next() {
+                    Some("elevation") if method == Method::GET => "?x=0&y=0",
+                    Some("profile") => "?line=0,0,9,9",
+                    _ => "",
+                };
                 let document = match template.as_str() {
                     programme if programme.starts_with("/programmes") => r#"{"programme":"x"}"#,
                     features if features.contains("/features") => {
                         r#"{"type":"Feature","id":"ridge","geometry":{"type":"Point","coordinates":[0,0,5]},"properties":{"attributes":[]}}"#
                     }
+                    elevation if elevation.ends_with("/elevation") => r#"{"points":[[0,0]]}"#,
                     generate if generate.ends_with("/generate") => r#"{"generate":"landmass","radius":1000}"#,
                     _ => r#"{"seed":1,"base":{"programme":"x","scale":1}}"#,
                 };
@@ -73,7 +78,7 @@ async fn every_described_operation_is_there() {
             }
         }
     }
-    assert!(operations >= 22, "{operations}");
+    assert!(operations >= 33, "{operations}");
 }
 
 #[tokio::test]

@@ -166,7 +166,13 @@ async fn a_server_that_others_reach_only_reads() {
         config.server.public_url = "https://maps.example.org".to_owned();
     }] {
         let client = Client::with(change).await;
-        assert!(client.put("/worlds/mine", &world(1)).await.problem().starts_with("403 Worlds and programmes are written on the server's own machine alone"));
+        assert!(
+            client
+                .put("/worlds/mine", &world(1))
+                .await
+                .problem()
+                .starts_with("403 Without keys, worlds and programmes are written on the server's own machine alone")
+        );
         assert_eq!(client.send(Method::DELETE, "/worlds/alps", &[], "").await.status, StatusCode::FORBIDDEN);
         assert_eq!(client.get("/worlds/alps").await.status, StatusCode::OK);
     }

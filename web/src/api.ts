@@ -1,4 +1,5 @@
 import type { StyleSpecification } from 'maplibre-gl';
+import { askKey, authorization } from './key.ts';
 
 /** The server's calls that the viewer uses. All addresses are relative: the page may live under a base path. */
 
@@ -68,13 +69,14 @@ async function problem(response: Response): Promise<Problem> {
   }
 }
 
-async function request(path: string, init?: RequestInit): Promise<Response> {
+async function request(path: string, init: RequestInit = {}): Promise<Response> {
   let response: Response;
   try {
-    response = await fetch(path, init);
+    response = await fetch(path, { ...init, headers: { ...init.headers, ...authorization() } });
   } catch {
     throw new Unreachable();
   }
+  if (response.status === 401 && (await askKey())) return request(path, init);
   if (!response.ok) throw await problem(response);
   return response;
 }
@@ -128,6 +130,11 @@ export async function createProgramme(name: string, document: JsonObject): Promi
 /** Saves over the revision `etag`. */
 export async function replaceProgramme(name: string, document: JsonObject, etag: string): Promise<void> {
   await request(`programmes/${name}`, send('PUT', document, { 'If-Match': etag }));
+}
+
+/** A picture that needs the user's key, as an address of its own. */
+export async function keyedPicture(path: string): Promise<string> {
+  return URL.createObjectURL(await (await request(path)).blob());
 }
 
 /** Where the picture of a programme is; the address changes with the programme, so that no old picture is shown. */

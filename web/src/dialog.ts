@@ -8,6 +8,8 @@ export interface Line {
   pattern?: string;
   error?: string;
   optional?: boolean;
+  /** Is not shown. */
+  secret?: boolean;
   /** Makes the text from that of the line before, until the user writes another. */
   follow?: (before: string) => string;
 }
@@ -31,9 +33,10 @@ export function element<K extends keyof HTMLElementTagNameMap>(
 }
 
 /** Label, text field, and what is said about them. */
-function lineOf({ label, value, hint, pattern, error, optional }: Line, i: number): { input: HTMLInputElement; parts: Node[] } {
+function lineOf({ label, value, hint, pattern, error, optional, secret }: Line, i: number): { input: HTMLInputElement; parts: Node[] } {
   const input = element('input', { id: `dialog-line-${i}`, value, required: !optional, autocomplete: 'off', spellcheck: false });
   input.autocapitalize = 'off';
+  if (secret) input.type = 'password';
   if (pattern) input.pattern = pattern;
   if (hint) input.title = hint;
   const parts: Node[] = [element('label', { htmlFor: input.id }, label), input];

@@ -1,5 +1,6 @@
-import { previewUrl, type ProgrammeEntry } from './api.ts';
+import { keyedPicture, previewUrl, type ProgrammeEntry } from './api.ts';
 import { element } from './dialog.ts';
+import { hasKey } from './key.ts';
 import { isFound, tagsOf } from './library.ts';
 
 /** Pixels of a picture on the page; twice as many are there for those who can see them. */
@@ -66,8 +67,14 @@ class Gallery {
   #card(entry: ProgrammeEntry): { card: HTMLElement; radio: HTMLInputElement } {
     const radio = element('input', { type: 'radio', name: 'programme', value: entry.name });
     const picture = element('img', { alt: '', width: PIXELS, height: PIXELS, loading: 'lazy', decoding: 'async' });
-    picture.srcset = `${previewUrl(entry, PIXELS)}, ${previewUrl(entry, 2 * PIXELS)} 2x`;
-    picture.src = previewUrl(entry, PIXELS);
+    if (hasKey()) {
+      // A picture that does not come leaves its place empty, as one without a key does.
+      picture.addEventListener('load', () => URL.revokeObjectURL(picture.src));
+      void keyedPicture(previewUrl(entry, 2 * PIXELS)).then((url) => (picture.src = url), () => {});
+    } else {
+      picture.srcset = `${previewUrl(entry, PIXELS)}, ${previewUrl(entry, 2 * PIXELS)} 2x`;
+      picture.src = previewUrl(entry, PIXELS);
+    }
     const title = element('span', { className: 'choice-title' }, entry.title);
     const tags = element('span', { className: 'hint' }, entry.tags.join(', '));
     return { card: element('label', { className: 'choice' }, radio, picture, title, tags), radio };

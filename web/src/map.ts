@@ -7,6 +7,7 @@ import {
   type StyleSpecification,
 } from 'maplibre-gl';
 import workerUrl from 'maplibre-gl/dist/maplibre-gl-worker.mjs?url';
+import { authorization } from './key.ts';
 import { OVERLAYS, type Camera, type Overlay } from './link.ts';
 import { HALF, toMetres, type LonLat } from './mercator.ts';
 
@@ -110,6 +111,8 @@ export class TerrainMap {
       renderWorldCopies: false, // the plane does not repeat
       attributionControl: false, // the viewer puts it where nothing lies over it
       fadeDuration: 0,
+      // The key is for no other server.
+      transformRequest: (url) => ({ url, headers: new URL(url, location.href).origin === location.origin ? authorization() : {} }),
     });
     this.map.addControl(new NavigationControl({ visualizePitch: true }), 'top-right');
     this.map.on('style.load', () => this.#applyTerrain());

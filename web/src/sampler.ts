@@ -1,3 +1,4 @@
+import { authorization } from './key.ts';
 import { Lru } from './lru.ts';
 import { TILE_SIZE, address, around, type Metres, type Sample } from './mercator.ts';
 import { bilinear, decodePixels } from './terrarium.ts';
@@ -9,7 +10,7 @@ const TILES_KEPT = 24;
 
 async function fetchTile(url: string): Promise<Float32Array> {
   // The same Accept as MapLibre's, or a cache that varies by it would fetch the tile a second time.
-  const response = await fetch(url, { headers: { accept: 'image/webp,*/*' } });
+  const response = await fetch(url, { headers: { accept: 'image/webp,*/*', ...authorization() } });
   if (!response.ok) throw new Error(`${response.status} ${url}`);
   const image = await createImageBitmap(await response.blob(), {
     colorSpaceConversion: 'none',

@@ -1,6 +1,6 @@
 //! What islands make of the samples of a window.
 
-use crate::layout::LayoutSurface;
+use crate::{geometry::Stop, layout::LayoutSurface};
 
 /// What an island says at a sample.
 #[derive(Clone, Copy, Debug, Default)]
@@ -35,6 +35,7 @@ pub(super) struct Output {
     /// How many materials there are.
     pub names: usize,
     pub columns: usize,
+    pub stop: Stop,
 }
 
 impl Output {

@@ -4,12 +4,13 @@ use super::document::{self, DeleteErrors, NameQuery, SaveErrors};
 use crate::server::{
     error::ApiError,
     extract::{Body, Known, NameOf, Present, PublicUrl, WriteCondition},
-    headers::{Freshness, hashed, is_fresh, json, not_modified, tagged},
+    headers::{Freshness, class, hashed, is_fresh, json, not_modified, tagged, timed},
     library::Shown,
     schema::{ProblemDetails, ProgrammeEntry, ProgrammeList, ProgrammeSchema},
     search::Search,
     shelf::Shelved,
     state::App,
+    tiles::Order,
 };
 use axum::{
     extract::State,
@@ -180,7 +181,12 @@ pub(crate) async fn get_preview(
     if is_fresh(&headers, &tag) {
         return Ok(not_modified(&tag, Freshness::Revalidate));
     }
+    let answer = |bytes| tagged(([(header::CONTENT_TYPE, "image/png")], bytes), &tag, Freshness::Revalidate);
+    if let Some(bytes) = app.0.tiles.cached(&fingerprint) {
+        return Ok(answer(bytes));
+    }
     let cost_ns = shown.preview_cost_ns(pixels);
-    let bytes = app.0.tiles.get(fingerprint, cost_ns, move || shown.preview(pixels)).await?;
-    Ok(tagged(([(header::CONTENT_TYPE, "image/png")], bytes), &tag, Freshness::Revalidate))
+    let order = Order { fingerprint, revision: shown.revision().clone(), class: class(&headers), cost_ns, kind: ["preview", "programme"] };
+    let made = app.0.tiles.get(order, move |stop| shown.preview(pixels, stop)).await?;
+    Ok(timed(answer(made.bytes), made.timing))
 }

@@ -1,18 +1,19 @@
 //! Tiles and what describes them.
 
 use crate::{
-    geometry::{DEGREE, Filter, Grid, GridError, Source, to_lon_lat},
+    geometry::{DEGREE, Filter, Grid, GridError, Source, Stop, Until, to_lon_lat},
     server::{
         address::{TilePath, TilesetPath, packing, paged},
         error::ApiError,
         extract::{Known, PublicUrl, WorldAt},
-        headers::{Freshness, is_fresh, json, not_modified, tagged},
+        headers::{Freshness, class, is_fresh, json, not_modified, tagged, timed},
         schema::ProblemDetails,
         shelf::Shelved,
         sidecar::{SidecarSchema, sidecar},
         state::App,
         style,
         tilejson::{Factors, MaterialSchema, TileJson, VectorLayerSchema},
+        tiles::Order,
         worlds::Live,
     },
     tile::{self, TileRequest, Tileset},
@@ -98,12 +99,14 @@ pub(crate) async fn get_tile(
         let detail = format!("samples {spacing} m apart would take this world about {seconds:.0} s a tile: ask for {instead} or a finer zoom");
         return Err(ApiError::parameter(if request.filter == Filter::Exact { "filter" } else { "tile" }, detail));
     }
-    let bytes = app
-        .0
-        .tiles
-        .get(fingerprint, cost_ns, move || if is_features { tile::render_features(&live.world, &request) } else { tile::render(&live.world, &request) })
-        .await?;
-    Ok(answer(bytes))
+    let kind = [request.tileset.name(), if live.world.document().layers.is_empty() { "programme" } else { "layout" }];
+    let order = Order { fingerprint, revision: live.world.revision().clone(), class: class(&headers), cost_ns, kind };
+    let draw = move |stop: &Stop| match request.tileset {
+        Tileset::Features => tile::render_features(&live.world, &request),
+        _ => tile::render(&Until { source: &live.world, stop: stop.clone() }, &request),
+    };
+    let made = app.0.tiles.get(order, draw).await?;
+    Ok(timed(answer(made.bytes), made.timing))
 }
 
 /// The headers that say what a tile is. A mesh says which extensions it holds, and that they may come from what the client takes.

@@ -113,6 +113,9 @@ pub(super) fn draw(source: &impl Source, request: &TileRequest) -> Result<Vec<u8
     let window = request.window()?;
     let mut surface = Surface::with(&window, Wanted { water: request.height == Height::Water, ..Wanted::default() });
     source.sample(&window, &mut surface);
+    if surface.stop.is_set() {
+        return Err(TileError::Stopped);
+    }
     if request.height == Height::Water {
         surface.raise_to_water();
     }

@@ -65,10 +65,10 @@ impl Layer {
         if !self.ground.reaches(&bounds) || self.mask.as_ref().is_some_and(|mask| !mask.bounds().meets(&bounds)) {
             return rows;
         }
-        let SurfaceRows { elevation, water_depth, water_cover, material, weights, .. } = &mut rows;
+        let SurfaceRows { elevation, water_depth, water_cover, material, weights, stop, .. } = &mut rows;
         let nothing = if self.blend == Blend::Add { vec![0.0; elevation.len()] } else { Vec::new() };
         let base: &[f32] = if self.blend == Blend::Add { &nothing } else { elevation };
-        let (own, names, fractions) = self.ground.sample(window, base, [!water_cover.is_empty(), !material.is_empty(), !weights.is_empty()]);
+        let (own, names, fractions) = self.ground.sample(window, base, [!water_cover.is_empty(), !material.is_empty(), !weights.is_empty()], stop);
         let (count, known) = (all.len() / elevation.len().max(1), materials.len() - 1);
         let shares = self.mask.as_ref().map(|mask| mask.shares(window, self.fade));
         for i in 0..elevation.len() {

@@ -1,7 +1,7 @@
 //! The terrain of a layer, whatever its source.
 
 use crate::{
-    geometry::{Rectangle, Window},
+    geometry::{Rectangle, Stop, Window},
     layout::{ContentHash, FieldKind, FieldSurface, Layout, LayoutSurface, Scatter, Selection, geojson::FeatureSet},
 };
 use std::sync::Arc;
@@ -71,11 +71,11 @@ impl Ground {
     }
 
     /// The terrain over a window, with the numbers of materials and the shares of all materials if they are wanted.
-    pub(super) fn sample(&self, window: &Window, base: &[f32], [cover, materials, shares]: [bool; 3]) -> (LayoutSurface, Vec<u16>, Vec<f32>) {
+    pub(super) fn sample(&self, window: &Window, base: &[f32], [cover, materials, shares]: [bool; 3], stop: &Stop) -> (LayoutSurface, Vec<u16>, Vec<f32>) {
         match self {
             Self::Layout { layout, over_base, .. } => {
                 let fields = material(layout).filter(|_| materials || shares).map(|(number, _)| number).into_iter().collect();
-                let selection = Selection { fields, cover, fractions: shares };
+                let selection = Selection { fields, cover, fractions: shares, stop: stop.clone() };
                 let mut surface = layout.sample(window, over_base.then_some(base), &selection);
                 let (heaviest, fractions) = match surface.fields.pop() {
                     Some(FieldSurface::Names { heaviest, fractions }) => (heaviest, fractions),
@@ -83,7 +83,7 @@ impl Ground {
                 };
                 (surface, if materials { heaviest } else { Vec::new() }, fractions)
             }
-            Self::Scatter(scatter) => scatter.sample(window, base, [cover, materials, shares]),
+            Self::Scatter(scatter) => scatter.sample(window, base, [cover, materials, shares], stop),
         }
     }
 }

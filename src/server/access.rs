@@ -1,0 +1,124 @@
+//! Who may do what: keys, and where a request comes from.
+
+use super::{config::Reads, error::ApiError, state::App};
+use crate::store::{Scope, Store, StoreError, hash_of};
+use arc_swap::ArcSwap;
+use axum::{
+    extract::{Request, State},
+    http::{HeaderMap, HeaderValue, Method, header, uri::Authority},
+    middleware::Next,
+    response::{IntoResponse, Response},
+};
+use std::{
+    collections::HashMap,
+    net::IpAddr,
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+/// How old what is known of the keys may be: so soon a key that was made or taken back beside the server counts.
+const MAX_AGE: Duration = Duration::from_secs(1);
+
+/// What keys guard; the rest is the viewer, the description of the interface, and the server's health.
+const GUARDED: [&str; 5] = ["/worlds", "/catalog", "/wmts", "/programmes", "/metrics"];
+
+/// The keys of a server, which `terrane key` changes beside it.
+pub(super) struct Keys {
+    store: Store,
+    known: ArcSwap<Known>,
+}
+
+/// Scopes by the hashes of secrets.
+struct Known {
+    scopes: HashMap<String, Scope>,
+    since: Instant,
+}
+
+impl Keys {
+    pub(super) async fn load(store: Store) -> Result<Self, StoreError> {
+        let known = Known::load(&store).await?;
+        Ok(Self { store, known: ArcSwap::from_pointee(known) })
+    }
+
+    async fn known(&self) -> Result<Arc<Known>, StoreError> {
+        let known = self.known.load_full();
+        if known.since.elapsed() < MAX_AGE {
+            return Ok(known);
+        }
+        let known = Arc::new(Known::load(&self.store).await?);
+        self.known.store(Arc::clone(&known));
+        Ok(known)
+    }
+}
+
+impl Known {
+    async fn load(store: &Store) -> Result<Self, StoreError> {
+        let since = Instant::now();
+        Ok(Self { scopes: store.keys().await?.into_iter().map(|key| (key.hash, key.scope)).collect(), since })
+    }
+}
+
+/// Lets a request through that may do what it asks for.
+pub(super) async fn guard(State(app): State<App>, request: Request, next: Next) -> Response {
+    match check(&app, request.method(), request.uri().path(), request.headers()).await {
+        Ok(()) => next.run(request).await,
+        Err(error) => error.into_response(),
+    }
+}
+
+async fn check(app: &App, method: &Method, path: &str, headers: &HeaderMap) -> Result<(), ApiError> {
+    let state = &app.0;
+    let Some(needed) = needed(method, path, state.reads) else { return Ok(()) };
+    let known = state.keys.known().await?;
+    if let Some(secret) = bearer(headers) {
+        let scope = known.scopes.get(&hash_of(secret)).ok_or(ApiError::Unauthorized("There is no such key, or it was taken back."))?;
+        return if *scope >= needed { Ok(()) } else { Err(ApiError::Scope(needed)) };
+    }
+    if needed != Scope::Write || !known.scopes.is_empty() {
+        return Err(ApiError::Unauthorized("This needs a key: Authorization: Bearer KEY."));
+    }
+    if !state.is_local || !is_local(headers) {
+        return Err(ApiError::ReadOnly);
+    }
+    if is_cross_site(headers) { Err(ApiError::CrossSite) } else { Ok(()) }
+}
+
+/// What a request's key must be for; `None` where it needs none.
+pub(super) fn needed(method: &Method, path: &str, reads: Reads) -> Option<Scope> {
+    match *method {
+        Method::OPTIONS => None,
+        Method::GET | Method::HEAD => {
+            let is_guarded = GUARDED.iter().any(|guarded| path.strip_prefix(guarded).is_some_and(|rest| rest.is_empty() || rest.starts_with('/')));
+            (reads == Reads::Keys && is_guarded).then_some(if path == "/metrics" { Scope::Admin } else { Scope::Read })
+        }
+        // Questions that are too long for an address.
+        Method::POST if path.starts_with("/worlds/") && path.ends_with("/elevation") => (reads == Reads::Keys).then_some(Scope::Read),
+        _ => Some(Scope::Write),
+    }
+}
+
+/// The secret of a key.
+fn bearer(headers: &HeaderMap) -> Option<&str> {
+    let (scheme, secret) = headers.get(header::AUTHORIZATION)?.to_str().ok()?.split_once(' ')?;
+    scheme.eq_ignore_ascii_case("bearer").then(|| secret.trim())
+}
+
+/// Whether a request was made to this machine by its own name and came through no proxy. A name that merely resolves to this machine may be a stranger's.
+fn is_local(headers: &HeaderMap) -> bool {
+    let proxied = ["forwarded", "via", "x-forwarded-for", "x-forwarded-host", "x-forwarded-proto", "x-real-ip"].iter().any(|name| headers.contains_key(*name));
+    let authority = headers.get(header::HOST).and_then(|host| host.to_str().ok()).and_then(|host| host.parse::<Authority>().ok());
+    let loopback = authority.is_some_and(|authority| {
+        let host = authority.host();
+        host == "localhost" || host.trim_matches(['[', ']']).parse::<IpAddr>().is_ok_and(|address| address.is_loopback())
+    });
+    loopback && !proxied
+}
+
+/// Whether a browser says that the page behind a request is not one of this server's.
+fn is_cross_site(headers: &HeaderMap) -> bool {
+    let site = headers.get("sec-fetch-site").map(HeaderValue::as_bytes);
+    let host = headers.get(header::HOST).map(HeaderValue::as_bytes);
+    let origin = headers.get(header::ORIGIN).map(HeaderValue::as_bytes);
+    let own = origin.is_none_or(|origin| host.is_some_and(|host| origin.strip_prefix(b"http://") == Some(host)));
+    !own || !matches!(site, None | Some(b"same-origin" | b"none"))
+}

@@ -1,0 +1,84 @@
+//! Keys: made beside a running server, asked for as soon as there is one.
+
+use crate::process::{Server, run, text};
+use serde_json::Value;
+use std::{
+    path::Path,
+    time::{Duration, Instant},
+};
+
+const WORLD: &str = r#"{"seed": 1, "base": {"programme": "x", "scale": 1}}"#;
+
+/// What `terrane key` prints.
+fn key(data: &Path, arguments: &[&str]) -> String {
+    let output = run(&[&["key"], arguments, &["--data", data.to_str().unwrap()]].concat(), Path::new("/"));
+    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+    text(&output.stdout).trim().to_owned()
+}
+
+/// The status of a request from another machine with a key, or none, and the kind of its problem.
+fn ask(server: &Server, method: &str, path: &str, key: Option<&str>) -> String {
+    let host = "Host: maps.example.org".to_owned();
+    let headers = key.map_or_else(|| host.clone(), |key| format!("{host}\r\nAuthorization: Bearer {key}"));
+    let (status, body) = server.request_with(method, path, &headers, if method == "PUT" { WORLD } else { "" }).unwrap();
+    let kind = serde_json::from_slice::<Value>(&body).ok().and_then(|problem| Some(problem.get("type")?.as_str()?.to_owned()));
+    kind.map_or_else(|| status.to_string(), |kind| format!("{status} {}", kind.trim_start_matches("urn:terrane:")))
+}
+
+fn wait_for(mut is_so: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !is_so() {
+        assert!(start.elapsed() < Duration::from_secs(30), "it never became so");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+#[test]
+fn who_has_a_key_writes_from_anywhere_and_nobody_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    let server = Server::start(&data);
+    assert_eq!(ask(&server, "PUT", "/worlds/mine", None), "403 read-only");
+    assert_eq!(server.request("PUT", "/worlds/mine", WORLD).unwrap().0, 201, "from this machine");
+    let writer = key(&data, &["new", "a designer"]);
+    let reader = key(&data, &["new", "a map", "--scope", "read"]);
+    // Even from this machine, once the server has taken notice.
+    wait_for(|| server.request("PUT", "/worlds/mine", WORLD).unwrap().0 == 401);
+    wait_for(|| ask(&server, "PUT", "/worlds/mine", Some(&reader)) == "403 scope");
+    assert_eq!(ask(&server, "PUT", "/worlds/mine", Some(&writer)), "200");
+    assert_eq!(ask(&server, "PUT", "/worlds/mine", Some("terrane_0")), "401 unauthorized");
+    assert_eq!(ask(&server, "GET", "/worlds/mine", None), "200", "reads are open");
+    let list = key(&data, &["list"]);
+    let lines: Vec<Vec<&str>> = list.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert!(lines.len() == 2 && lines[0][1] == "write" && lines[0][3..] == ["a", "designer"] && !list.contains(&writer), "{list}");
+    let stored = std::fs::read(data.join("terrane.sqlite")).unwrap().into_iter().chain(std::fs::read(data.join("terrane.sqlite-wal")).unwrap());
+    assert!(!text(&stored.collect::<Vec<_>>()).contains(&writer), "no secret is kept");
+    key(&data, &["revoke", lines[0][0]]);
+    wait_for(|| ask(&server, "PUT", "/worlds/mine", Some(&writer)) == "401 unauthorized");
+    let gone = run(&["key", "revoke", lines[0][0], "--data", data.to_str().unwrap()], Path::new("/"));
+    assert_eq!(text(&gone.stderr).trim(), format!("error: no key has the id {:?}; `terrane key list` shows them", lines[0][0]));
+}
+
+#[test]
+fn reads_can_need_a_key_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    let [reader, admin] = ["read", "admin"].map(|scope| key(&data, &["new", scope, "--scope", scope]));
+    let server = Server::start_with(&data, &[("TERRANE_SERVER__READS", "keys")]);
+    let tile = "/worlds/alps/web/terrarium/9/256/255.png";
+    for (path, without, with_read) in [
+        (tile, "401 unauthorized", "200"),
+        ("/catalog", "401 unauthorized", "200"),
+        ("/programmes", "401 unauthorized", "200"),
+        ("/metrics", "401 unauthorized", "403 scope"),
+        ("/healthz", "200", "200"),
+        ("/openapi.json", "200", "200"),
+        ("/", "200", "200"),
+    ] {
+        assert_eq!((ask(&server, "GET", path, None).as_str(), ask(&server, "GET", path, Some(&reader)).as_str()), (without, with_read), "{path}");
+        assert_eq!(ask(&server, "GET", path, Some(&admin)), "200", "{path}");
+    }
+    assert_eq!(ask(&server, "PUT", "/worlds/mine", Some(&admin)), "201");
+    let wrong = run(&["key", "new", "x", "--scope", "all", "--data", data.to_str().unwrap()], Path::new("/"));
+    assert!(text(&wrong.stderr).contains("must be read, write or admin, got \"all\""), "{}", text(&wrong.stderr));
+}
