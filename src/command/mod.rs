@@ -13,7 +13,7 @@ use world::{parse, world};
 use anyhow::Context;
 use clap::ValueEnum;
 use std::{fs, path::Path};
-use terrane::server::Config;
+use terrane::{geometry::Filter, server::Config, tile::Height};
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Drawn {
@@ -25,6 +25,24 @@ enum Drawn {
 enum Detail {
     Band,
     Exact,
+}
+
+impl Drawn {
+    fn height(self) -> Height {
+        match self {
+            Drawn::Ground => Height::Ground,
+            Drawn::Water => Height::Water,
+        }
+    }
+}
+
+impl Detail {
+    fn filter(self) -> Filter {
+        match self {
+            Detail::Band => Filter::Band,
+            Detail::Exact => Filter::Exact,
+        }
+    }
 }
 
 fn parse_bbox(text: &str) -> Result<[f64; 4], String> {

@@ -20,6 +20,11 @@ impl Compute {
         rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(move |i| format!("{name}-{i}")).build().map(Self)
     }
 
+    /// How many threads there are.
+    pub(super) fn threads(&self) -> usize {
+        self.0.current_num_threads()
+    }
+
     /// Runs a task on the pool; `done` gets its result there, whether or not somebody still waits.
     pub(super) fn spawn<T: 'static>(&self, task: impl FnOnce() -> T + Send + 'static, done: impl FnOnce(Result<T, Panicked>) + Send + 'static) {
         self.0.spawn(move || {

@@ -39,6 +39,8 @@ pub(super) enum ApiError {
     ReadOnly,
     /// More work waits than the server takes.
     Overloaded,
+    /// More exports are under way than the server takes.
+    Exporting,
     /// More requests are under way than the server takes.
     Busy,
     /// The server failed.
@@ -103,6 +105,7 @@ impl ApiError {
                 (StatusCode::FORBIDDEN, "read-only", detail.to_owned(), Vec::new())
             }
             ApiError::Overloaded => (StatusCode::SERVICE_UNAVAILABLE, "overloaded", "Too many tiles are waiting; try again shortly.".to_owned(), Vec::new()),
+            ApiError::Exporting => (StatusCode::SERVICE_UNAVAILABLE, "busy", "Too many exports are under way; try again later.".to_owned(), Vec::new()),
             ApiError::Busy => (StatusCode::SERVICE_UNAVAILABLE, "busy", "Too many requests are under way; try again shortly.".to_owned(), Vec::new()),
             ApiError::Internal => (StatusCode::INTERNAL_SERVER_ERROR, "internal", "The server failed; its log says why.".to_owned(), Vec::new()),
         }

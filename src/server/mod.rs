@@ -7,6 +7,7 @@ mod connections;
 mod editing;
 mod embedded;
 mod error;
+mod exports;
 mod extract;
 mod features;
 mod handler;

@@ -3,7 +3,7 @@
 use super::{
     compute::panic_message,
     error::ApiError,
-    handler::{catalog, description, elevation, feature, feature_edit, health, layer, programme, shader, tile, viewer, world},
+    handler::{catalog, description, elevation, export, feature, feature_edit, health, layer, programme, shader, tile, viewer, world},
     state::App,
 };
 use axum::{
@@ -29,6 +29,7 @@ use utoipa_axum::{router::OpenApiRouter, routes};
         (name = "features", description = "The features that worlds keep: rivers, ridges, lakes, as GeoJSON"),
         (name = "programmes", description = "The library of terrain programmes"),
         (name = "tiles", description = "Terrain as tiles"),
+        (name = "exports", description = "Areas as files"),
         (name = "queries", description = "Questions about the ground"),
         (name = "pages", description = "For people"),
         (name = "health", description = "For those who run the server"),
@@ -56,6 +57,7 @@ fn documented() -> OpenApiRouter<App> {
         .routes(routes!(programme::get_preview))
         .routes(routes!(tile::get_style))
         .routes(routes!(elevation::get_elevation))
+        .routes(routes!(export::get_export))
         .routes(routes!(shader::get_glsl))
         .routes(routes!(shader::get_wgsl))
         .routes(routes!(tile::get_tilejson))
@@ -73,6 +75,7 @@ pub fn openapi() -> utoipa::openapi::OpenApi {
 pub fn router(app: App) -> Router {
     let (router, _) = documented().split_for_parts();
     let cors = CorsLayer::new().allow_origin(AnyOrigin).allow_methods([Method::GET, Method::HEAD]).allow_headers(AnyOrigin).expose_headers([
+        header::CONTENT_DISPOSITION,
         header::ETAG,
         header::LOCATION,
         header::RETRY_AFTER,

@@ -4,6 +4,7 @@ use super::{
     compute::Compute,
     config::Config,
     editing::Editing,
+    exports::Exports,
     library::{self, Shown},
     sets::StoredSets,
     shelf::{LoadError, Shelf},
@@ -27,6 +28,7 @@ pub(super) struct AppState {
     pub worlds: Worlds,
     pub library: Shelf<Shown>,
     pub tiles: Tiles,
+    pub exports: Exports,
     /// Threads for single points and first looks at worlds, so that these do not wait behind tiles.
     pub queries: Arc<Compute>,
     /// Without a slash at its end; empty: from each request's Host header.
@@ -68,6 +70,7 @@ impl App {
         let load = |error: LoadError| StartError::Load(Box::new(error));
         let compute = Compute::new("tile", config.server.threads)?;
         let queries = Arc::new(Compute::new("query", config.server.threads)?);
+        let exports = Exports::new(Compute::new("export", config.server.threads)?, &config.limits);
         let store = Store::open(&config.server.data).await.map_err(|error| load(error.into()))?;
         let old_revisions = NonZeroUsize::new(config.cache.old_revisions).unwrap_or(NonZeroUsize::MIN);
         let sets = Arc::new(StoredSets::new(store.clone()));
@@ -77,6 +80,7 @@ impl App {
             worlds,
             library,
             tiles: Tiles::new(compute, config.cache.tile_bytes, config.limits.pending_seconds as f64 * 1e9),
+            exports,
             queries,
             public_url: config.server.public_url.trim_end_matches('/').to_owned(),
             world_bytes: config.limits.world_bytes,
@@ -92,6 +96,12 @@ impl App {
     #[must_use]
     pub fn evaluations(&self) -> u64 {
         self.0.tiles.evaluations()
+    }
+
+    /// How many parts of exports were evaluated since the start.
+    #[must_use]
+    pub fn export_parts(&self) -> u64 {
+        self.0.exports.evaluations()
     }
 
     /// Says from now on that no new requests should come.

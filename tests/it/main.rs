@@ -6,6 +6,7 @@ mod corpus;
 mod costs;
 mod determinism;
 mod encoding;
+mod export;
 mod features;
 mod formats;
 mod golden;

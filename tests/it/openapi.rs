@@ -56,7 +56,11 @@ async fn every_described_operation_is_there() {
                 let method: Method = method.to_uppercase().parse().unwrap();
                 let path = fill(template);
                 assert!(!path.contains('{'), "{path}: give the parameter a value here");
-                let query = if template.ends_with("/elevation") { "?x=0&y=0" } else { "" };
+                let query = match template.as_str() {
+                    elevation if elevation.ends_with("/elevation") => "?x=0&y=0",
+                    export if export.ends_with("/export") => "?bbox=0,0,90,60&spacing=30&format=geotiff",
+                    _ => "",
+                };
                 let document = match template.as_str() {
                     programme if programme.starts_with("/programmes") => r#"{"programme":"x"}"#,
                     features if features.contains("/features") => {
