@@ -3,7 +3,7 @@
 mod command;
 
 use clap::{Parser, Subcommand};
-use command::{RenderArguments, ServeArguments, check, render, serve};
+use command::{ExportArguments, MergeArguments, RenderArguments, ServeArguments, check, export, merge, render, serve};
 use std::{
     io::{IsTerminal, Write},
     path::PathBuf,
@@ -31,6 +31,10 @@ enum Command {
     },
     /// Evaluate a window of a world into a file
     Render(RenderArguments),
+    /// Write a pyramid of tiles to an archive; the same command goes on after any end
+    Export(ExportArguments),
+    /// Join the parts of an export to an archive
+    Merge(MergeArguments),
 }
 
 fn main() -> ExitCode {
@@ -39,12 +43,14 @@ fn main() -> ExitCode {
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_ansi(colours).init();
     let command = Arguments::parse().command;
     let done = Isa::from_environment().map_err(anyhow::Error::msg).and_then(|_| match command {
-        Command::Serve(arguments) => serve(arguments),
-        Command::Check { file } => check(&file),
-        Command::Render(arguments) => render(&arguments),
+        Command::Serve(arguments) => serve(arguments).map(|()| ExitCode::SUCCESS),
+        Command::Check { file } => check(&file).map(|()| ExitCode::SUCCESS),
+        Command::Render(arguments) => render(&arguments).map(|()| ExitCode::SUCCESS),
+        Command::Export(arguments) => export(&arguments),
+        Command::Merge(arguments) => merge(&arguments).map(|()| ExitCode::SUCCESS),
     });
     match done {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             // Standard error may be closed; the exit code still says it.
             let _ = writeln!(std::io::stderr(), "error: {}", with_causes(&error));

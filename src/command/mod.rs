@@ -1,11 +1,14 @@
 //! The subcommands, and what they share.
 
 mod check;
+mod export;
+mod progress;
 mod render;
 mod serve;
 mod world;
 
 pub(crate) use check::check;
+pub(crate) use export::{ExportArguments, MergeArguments, export, merge};
 pub(crate) use render::{RenderArguments, render};
 pub(crate) use serve::{ServeArguments, serve};
 use world::{parse, world};

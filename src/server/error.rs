@@ -140,7 +140,7 @@ impl From<StoreError> for ApiError {
         match error {
             StoreError::Unknown { kind, .. } => ApiError::absent(kind.noun(), error.to_string()),
             StoreError::Condition { .. } => ApiError::PreconditionFailed(error.to_string()),
-            StoreError::Folder { .. } | StoreError::InUse(_) | StoreError::Newer { .. } | StoreError::Database(_) => {
+            StoreError::Folder { .. } | StoreError::Archive(_) | StoreError::InUse(_) | StoreError::Newer { .. } | StoreError::Database(_) => {
                 ApiError::internal("the store failed", &error)
             }
         }

@@ -30,5 +30,5 @@ mod worlds;
 
 pub use config::{CacheConfig, Config, ConfigError, LimitsConfig, ServerConfig};
 pub use router::{openapi, router};
-pub use serve::serve;
+pub use serve::{serve, stop_signal};
 pub use state::App;

@@ -21,6 +21,7 @@ mod openapi;
 mod process;
 mod program;
 mod properties;
+mod pyramid;
 mod roads;
 mod shader;
 mod tidy;
