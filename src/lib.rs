@@ -24,10 +24,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Modules may use only those listed before them: [`geometry`], [`noise`], [`analysis`], [`programme`], [`layout`], [`world`], [`tile`], [`query`], `store`, `server`.
+//! Modules may use only those listed before them: [`geometry`], [`noise`], [`analysis`], [`programme`], [`layout`], [`world`], [`tile`], [`query`], `store`, `jobs`, `server`.
 
 pub mod analysis;
 pub mod geometry;
+#[cfg(feature = "server")]
+pub mod jobs;
 pub mod layout;
 pub mod noise;
 pub mod programme;

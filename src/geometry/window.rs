@@ -140,20 +140,23 @@ impl Window {
     /// # Errors
     /// If the spacing is not positive, the area is empty or reaches beyond [`PLANE_LIMIT`], or holds more than `limit` samples.
     pub fn area(bbox: [f64; 4], spacing: f64, filter: Filter, limit: u64) -> Result<Self, WindowError> {
-        check_spacing(spacing)?;
-        for c in bbox {
-            check_coordinate(c)?;
-        }
-        let [min_x, min_y, max_x, max_y] = bbox;
-        let (columns, rows) = (((max_x - min_x) / spacing).round(), ((max_y - min_y) / spacing).round());
-        if columns < 1.0 || rows < 1.0 {
-            return Err(WindowError::Empty);
-        }
-        if columns * rows > limit as f64 {
-            return Err(WindowError::Samples { samples: (columns * rows) as u64, limit });
-        }
-        let half = spacing / 2.0;
+        let [columns, rows] = steps(bbox, spacing)?;
+        check_samples(columns, rows, limit)?;
+        let ([min_x, _, _, max_y], half) = (bbox, spacing / 2.0);
         Ok(Self { columns: Axis::new(1, 2, half, min_x, columns as usize), rows: Axis::new(-1, -2, half, max_y, rows as usize), filter })
+    }
+
+    /// Samples on the edges of the area `[minx, miny, maxx, maxy]` (metres) and `spacing` apart between them, its north-west corner kept.
+    ///
+    /// The number of columns and rows is one more than the side over the spacing, rounded to the nearest.
+    ///
+    /// # Errors
+    /// As [`Window::area`].
+    pub fn vertices(bbox: [f64; 4], spacing: f64, filter: Filter, limit: u64) -> Result<Self, WindowError> {
+        let [columns, rows] = steps(bbox, spacing)?.map(|steps| steps + 1.0);
+        check_samples(columns, rows, limit)?;
+        let [min_x, _, _, max_y] = bbox;
+        Ok(Self { columns: Axis::new(0, 1, spacing, min_x, columns as usize), rows: Axis::new(0, -1, spacing, max_y, rows as usize), filter })
     }
 
     /// Number of samples.
@@ -207,6 +210,21 @@ impl Window {
     }
 }
 
+/// How many times the spacing goes into the sides of an area, rounded to the nearest, at least once.
+fn steps(bbox: [f64; 4], spacing: f64) -> Result<[f64; 2], WindowError> {
+    check_spacing(spacing)?;
+    for c in bbox {
+        check_coordinate(c)?;
+    }
+    let [min_x, min_y, max_x, max_y] = bbox;
+    let steps = [max_x - min_x, max_y - min_y].map(|side| (side / spacing).round());
+    if steps.iter().any(|steps| *steps < 1.0) { Err(WindowError::Empty) } else { Ok(steps) }
+}
+
+fn check_samples(columns: f64, rows: f64, limit: u64) -> Result<(), WindowError> {
+    if columns * rows > limit as f64 { Err(WindowError::Samples { samples: (columns * rows) as u64, limit }) } else { Ok(()) }
+}
+
 fn check_spacing(spacing: f64) -> Result<(), WindowError> {
     if spacing.is_finite() && spacing > 0.0 { Ok(()) } else { Err(WindowError::Spacing(spacing)) }
 }
@@ -233,6 +251,16 @@ mod tests {
     fn a_band_is_a_part_of_the_whole() {
         let window = Window::area([0.0, 0.0, 100.0, 100.0], 10.0, Filter::Band, 1 << 20).expect("valid");
         assert_eq!(window.band(3, 4).rows.coordinates().collect::<Vec<_>>(), [65.0, 55.0, 45.0, 35.0]);
+    }
+
+    #[test]
+    fn vertices_stand_on_both_edges_and_are_the_neighbours_too() {
+        let window = |bbox| Window::vertices(bbox, 25.0, Filter::Band, 1 << 20).expect("valid");
+        let (west, east) = (window([-1000.0, 0.0, 0.0, 500.0]), window([0.0, 0.0, 1000.0, 500.0]));
+        assert_eq!((west.columns.len(), west.rows.len(), west.spacing()), (41, 21, 25.0));
+        assert_eq!((west.bounds().min, west.bounds().max), ([-1000.0, 0.0], [0.0, 500.0]));
+        assert_eq!(west.columns.coordinate(40), east.columns.coordinate(0));
+        assert_eq!(west.rows.coordinate(0), 500.0, "rows run from north to south");
     }
 
     #[test]

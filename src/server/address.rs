@@ -124,7 +124,7 @@ fn from_the_south(grid: Grid, tile: Tile) -> Result<Tile, ApiError> {
 }
 
 /// One of two choices of a query by their names, the first by default; `missing` says why there is no second one.
-fn choice<T: Copy>(name: &str, text: Option<&str>, [first, second]: [(&str, T); 2], missing: impl Fn() -> Option<String>) -> Result<T, ApiError> {
+pub(super) fn choice<T: Copy>(name: &str, text: Option<&str>, [first, second]: [(&str, T); 2], missing: impl Fn() -> Option<String>) -> Result<T, ApiError> {
     match text {
         None => Ok(first.1),
         Some(text) if text == first.0 => Ok(first.1),

@@ -74,6 +74,12 @@ pub struct LimitsConfig {
     pub queue_ms: u64,
     /// Requests under way at a time, 1 … 1000000; others are refused with 503.
     pub requests: usize,
+    /// Samples of one export, 1 … 536870912; meshes have 2^22 at most.
+    pub export_samples: u64,
+    /// Seconds of predicted evaluation of one export on one thread, 1 … 86400.
+    pub export_seconds: u64,
+    /// Exports under way at a time, 1 … 1000; others are refused with 503.
+    pub exports: usize,
     /// Seconds in which the whole head of a request must be there, also that of the next one on a connection, 1 … 3600.
     pub head_seconds: u64,
     /// Seconds in which a peer that is waited for must send or take 512 bytes a second, 1 … 3600.
@@ -95,7 +101,17 @@ impl Default for CacheConfig {
 
 impl Default for LimitsConfig {
     fn default() -> Self {
-        Self { world_bytes: 1_048_576, feature_bytes: 536_870_912, queue_ms: 250, requests: 1024, head_seconds: 20, stall_seconds: 20 }
+        Self {
+            world_bytes: 1_048_576,
+            feature_bytes: 536_870_912,
+            queue_ms: 250,
+            requests: 1024,
+            export_samples: 268_435_456,
+            export_seconds: 600,
+            exports: 4,
+            head_seconds: 20,
+            stall_seconds: 20,
+        }
     }
 }
 
@@ -155,6 +171,9 @@ impl Config {
         range("limits.queue_ms", self.limits.queue_ms, 1, 600_000);
         range("server.connections", self.server.connections as u64, 1, 1_000_000);
         range("limits.requests", self.limits.requests as u64, 1, 1_000_000);
+        range("limits.export_samples", self.limits.export_samples, 1, 536_870_912);
+        range("limits.export_seconds", self.limits.export_seconds, 1, 86_400);
+        range("limits.exports", self.limits.exports as u64, 1, 1_000);
         range("limits.head_seconds", self.limits.head_seconds, 1, 3600);
         range("limits.stall_seconds", self.limits.stall_seconds, 1, 3600);
         let url = &self.server.public_url;

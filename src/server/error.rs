@@ -43,6 +43,8 @@ pub(super) enum ApiError {
     Scope(Scope),
     /// More work waits than the server takes.
     Overloaded,
+    /// More exports are under way than the server takes.
+    Exporting,
     /// More requests are under way than the server takes.
     Busy,
     /// Evaluations of this revision have failed too often.
@@ -111,6 +113,7 @@ impl ApiError {
             ApiError::Unauthorized(detail) => (StatusCode::UNAUTHORIZED, "unauthorized", detail.to_owned(), Vec::new()),
             ApiError::Scope(needed) => (StatusCode::FORBIDDEN, "scope", format!("This key's scope does not reach: {needed} is needed."), Vec::new()),
             ApiError::Overloaded => (StatusCode::SERVICE_UNAVAILABLE, "overloaded", "Too many tiles are waiting; try again shortly.".to_owned(), Vec::new()),
+            ApiError::Exporting => (StatusCode::SERVICE_UNAVAILABLE, "busy", "Too many exports are under way; try again later.".to_owned(), Vec::new()),
             ApiError::Busy => (StatusCode::SERVICE_UNAVAILABLE, "busy", "Too many requests are under way; try again shortly.".to_owned(), Vec::new()),
             ApiError::SetAside => {
                 let detail =
@@ -154,6 +157,7 @@ impl From<StoreError> for ApiError {
             StoreError::Unknown { kind, .. } => ApiError::absent(kind.noun(), error.to_string()),
             StoreError::Condition { .. } => ApiError::PreconditionFailed(error.to_string()),
             StoreError::Folder { .. }
+            | StoreError::Archive(_)
             | StoreError::InUse(_)
             | StoreError::Newer { .. }
             | StoreError::Older { .. }

@@ -7,6 +7,7 @@ use super::{
     worlds::Live,
 };
 use crate::{
+    geometry::PLANE_LIMIT,
     store::Condition,
     world::{Revision, check_name},
 };
@@ -187,6 +188,15 @@ impl FromRequest<App> for Body {
             }
             Err(_) => Err(ApiError::BadRequest("The body could not be read.".to_owned(), Vec::new())),
         }
+    }
+}
+
+/// An area of a query: least x, least y, greatest x, greatest y in metres.
+pub(super) fn parse_bbox(text: &str) -> Result<[f64; 4], ApiError> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok().filter(|c: &f64| c.abs() <= PLANE_LIMIT)).collect();
+    match numbers.as_deref() {
+        Some(&[x0, y0, x1, y1]) if x0 <= x1 && y0 <= y1 => Ok([x0, y0, x1, y1]),
+        _ => Err(ApiError::parameter("bbox", "must be minx,miny,maxx,maxy in metres within 2^40 of the origin, the least corner first")),
     }
 }
 

@@ -8,6 +8,7 @@ mod connections;
 mod editing;
 mod embedded;
 mod error;
+mod exports;
 mod extract;
 mod features;
 mod handler;
@@ -33,5 +34,5 @@ mod worlds;
 
 pub use config::{CacheConfig, Config, ConfigError, LimitsConfig, Reads, ServerConfig};
 pub use router::{openapi, router};
-pub use serve::serve;
+pub use serve::{serve, stop_signal};
 pub use state::App;

@@ -4,7 +4,7 @@ use super::{
     access::{guard, needed},
     config::Reads,
     error::ApiError,
-    handler::{catalog, description, elevation, feature, feature_edit, health, layer, programme, shader, tile, viewer, world},
+    handler::{catalog, description, elevation, export, feature, feature_edit, health, layer, programme, shader, tile, viewer, world},
     observe::observe,
     state::App,
 };
@@ -32,6 +32,7 @@ use utoipa_axum::{router::OpenApiRouter, routes};
         (name = "features", description = "The features that worlds keep: rivers, ridges, lakes, as GeoJSON"),
         (name = "programmes", description = "The library of terrain programmes"),
         (name = "tiles", description = "Terrain as tiles"),
+        (name = "exports", description = "Areas as files"),
         (name = "queries", description = "Questions about the ground"),
         (name = "pages", description = "For people"),
         (name = "health", description = "For those who run the server"),
@@ -62,6 +63,7 @@ fn documented() -> OpenApiRouter<App> {
         .routes(routes!(tile::get_style))
         .routes(routes!(elevation::get_elevation, elevation::post_elevation))
         .routes(routes!(elevation::get_profile))
+        .routes(routes!(export::get_export))
         .routes(routes!(shader::get_glsl))
         .routes(routes!(shader::get_wgsl))
         .routes(routes!(tile::get_tilejson))
@@ -106,6 +108,7 @@ pub fn router(app: App) -> Router {
     let (router, _) = documented().split_for_parts();
     let cors =
         CorsLayer::new().allow_origin(AnyOrigin).allow_methods([Method::GET, Method::HEAD]).allow_headers(AllowHeaders::mirror_request()).expose_headers([
+            header::CONTENT_DISPOSITION,
             header::ETAG,
             header::LOCATION,
             header::RETRY_AFTER,

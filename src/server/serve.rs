@@ -72,7 +72,8 @@ fn limits(config: &Config) -> Limits {
     Limits { connections, requests, head: Duration::from_secs(head_seconds), stall: Duration::from_secs(stall_seconds) }
 }
 
-async fn stop_signal() {
+/// Waits for SIGINT or SIGTERM.
+pub async fn stop_signal() {
     let interrupt = async {
         if signal::ctrl_c().await.is_err() {
             std::future::pending::<()>().await;

@@ -5,6 +5,7 @@ use super::{
     compute::Compute,
     config::{Config, Reads},
     editing::Editing,
+    exports::Exports,
     library::{self, Shown},
     metrics::Metrics,
     sets::StoredSets,
@@ -30,6 +31,7 @@ pub(super) struct AppState {
     pub library: Shelf<Shown>,
     pub tiles: Tiles,
     pub metrics: Arc<Metrics>,
+    pub exports: Exports,
     /// Threads for single points and first looks at worlds, so that these do not wait behind tiles.
     pub queries: Arc<Compute>,
     /// Without a slash at its end; empty: from each request's Host header.
@@ -74,6 +76,7 @@ impl App {
         let compute = Compute::new("tile", config.server.threads)?;
         let queries = Arc::new(Compute::new("query", config.server.threads)?);
         let metrics = Arc::new(Metrics::new());
+        let exports = Exports::new(Compute::new("export", config.server.threads)?, &config.limits);
         let store = Store::open(&config.server.data).await.map_err(|error| load(error.into()))?;
         let old_revisions = NonZeroUsize::new(config.cache.old_revisions).unwrap_or(NonZeroUsize::MIN);
         let sets = Arc::new(StoredSets::new(store.clone()));
@@ -84,6 +87,7 @@ impl App {
             library,
             tiles: Tiles::new(compute, Arc::clone(&metrics), config.cache.tile_bytes, config.limits.queue_ms),
             metrics,
+            exports,
             queries,
             public_url: config.server.public_url.trim_end_matches('/').to_owned(),
             world_bytes: config.limits.world_bytes,
@@ -101,6 +105,12 @@ impl App {
     #[must_use]
     pub fn evaluations(&self) -> u64 {
         self.0.metrics.evaluations()
+    }
+
+    /// How many parts of exports were evaluated since the start.
+    #[must_use]
+    pub fn export_parts(&self) -> u64 {
+        self.0.exports.evaluations()
     }
 
     /// Says from now on that no new requests should come.

@@ -13,6 +13,9 @@ pub enum StoreError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// An archive cannot be begun.
+    #[error("starting: {0}")]
+    Archive(#[source] std::io::Error),
     /// Another server uses the folder.
     #[error("another server uses the data folder {0}: stop it, or give this one a folder of its own with --data")]
     InUse(String),

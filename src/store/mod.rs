@@ -1,13 +1,15 @@
-//! What a server keeps: every saved revision of every world and of every programme of the library, the sets of features that worlds name, and keys.
+//! What a server keeps: every saved revision of every world and of every programme of the library, the sets of features that worlds name, and keys; archives of tiles, which are databases too.
 
 mod content;
 mod error;
 mod feature_set;
 mod keys;
 mod layout;
+mod mbtiles;
 mod sqlite;
 
 pub use content::{Content, Kind};
 pub use error::StoreError;
 pub use keys::{KeyEntry, Scope, hash_of};
+pub use mbtiles::MbTiles;
 pub use sqlite::{Condition, RevisionEntry, Saved, Store, StoredDocument};

@@ -1,8 +1,8 @@
 //! Surfaces as tiles and images: encodings, shading, files.
 
+mod area;
 mod clip;
 mod contours;
-mod geotiff;
 mod hillshade;
 mod lines;
 mod materials;
@@ -18,8 +18,8 @@ mod steps;
 mod tileset;
 mod water;
 
+pub use area::{Area, AreaError, AreaFormat, AreaRequest, AreaWriter, MAX_AREA_SIDE, MAX_AREA_VERTICES, Registration, write_area};
 pub use contours::contour_interval;
-pub use geotiff::write_geotiff;
 pub use lines::render_features;
 pub use materials::material_colour;
 pub use mesh::{MAX_MESH_ZOOM, MESH_SIDES, mesh_step, mesh_tolerance};

@@ -89,9 +89,12 @@ pub enum EncodeError {
     /// The `WebP` encoder refused.
     #[error("encoding the WebP: {0}")]
     Webp(#[from] image_webp::EncodingError),
-    /// The TIFF encoder refused.
-    #[error("encoding the TIFF: {0}")]
-    Tiff(#[from] tiff::TiffError),
+    /// The PNG encoder refused.
+    #[error("encoding the PNG: {0}")]
+    Png(#[from] png::EncodingError),
+    /// Text could not be written.
+    #[error("writing text: {0}")]
+    Text(#[source] std::io::Error),
 }
 
 impl Tileset {

@@ -86,6 +86,14 @@ impl World {
         base + self.layers().map(|layer| layer.cost_ns(window)).sum::<f64>()
     }
 
+    /// The predicted time to evaluate a window in parts of `count` samples each on one thread, in nanoseconds: what parts share is found again for every one.
+    #[must_use]
+    pub fn parts_cost_ns(&self, window: &Window, count: usize) -> f64 {
+        let (samples, count) = (window.samples(), count.clamp(1, window.samples().max(1)));
+        let base = |count| self.area_cost_ns(window.spacing(), window.filter, count);
+        self.cost_ns(window) - base(samples) + base(count) * (samples as f64 / count as f64)
+    }
+
     /// The predicted time to evaluate the base at `count` samples of a square, `spacing` metres apart, on one thread, in nanoseconds.
     #[must_use]
     pub fn area_cost_ns(&self, spacing: f64, filter: Filter, count: usize) -> f64 {

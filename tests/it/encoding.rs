@@ -1,8 +1,8 @@
 //! Tiles decoded by other libraries.
 
 use terrane::{
-    geometry::{Filter, Grid, Samples, Tile, Window},
-    tile::{Height, Options, TileRequest, Tileset, render, write_geotiff},
+    geometry::{Filter, Grid, Samples, Tile},
+    tile::{Height, Options, TileRequest, Tileset, render},
     world::{Document, EXAMPLES, World},
 };
 use zune_png::{
@@ -98,20 +98,4 @@ fn hillshade_is_opaque_grey_and_shows_relief() {
     assert_eq!((colour, size), (ColorSpace::Luma, (256, 256)));
     let (low, high) = (pixels.iter().min().unwrap(), pixels.iter().max().unwrap());
     assert!(high - low > 100, "{low} … {high}");
-}
-
-#[test]
-fn a_geotiff_holds_elevations_and_their_place() {
-    let world = world("hills");
-    let window = Window::area([-500.0, 1000.0, 1500.0, 2000.0], 10.0, Filter::Band, 1 << 20).unwrap();
-    let surface = world.evaluate(&window);
-    let mut file = std::io::Cursor::new(Vec::new());
-    write_geotiff(&surface, &window, &mut file).unwrap();
-    file.set_position(0);
-    let mut tiff = tiff::decoder::Decoder::new(file).unwrap();
-    assert_eq!(tiff.dimensions().unwrap(), (200, 100));
-    assert_eq!(tiff.get_tag_f64_vec(tiff::tags::Tag::ModelPixelScaleTag).unwrap(), [10.0, 10.0, 0.0]);
-    assert_eq!(tiff.get_tag_f64_vec(tiff::tags::Tag::ModelTiepointTag).unwrap(), [0.0, 0.0, 0.0, -500.0, 2000.0, 0.0]);
-    let tiff::decoder::DecodingResult::F32(values) = tiff.read_image().unwrap() else { panic!("not f32") };
-    assert_eq!(values, surface.elevation);
 }

@@ -243,7 +243,13 @@ async fn only_the_own_machine_and_the_own_pages_write() {
         }
     }
     let client = Client::with(|config| config.server.listen = ([0, 0, 0, 0], 8080).into()).await;
-    assert!(client.put("/programmes/mine", MINE).await.problem().starts_with("403 Without keys, worlds and programmes are written on the server's own machine alone"));
+    assert!(
+        client
+            .put("/programmes/mine", MINE)
+            .await
+            .problem()
+            .starts_with("403 Without keys, worlds and programmes are written on the server's own machine alone")
+    );
     assert_eq!(client.get("/programmes/alps/preview.png?size=64").await.status, StatusCode::OK);
 }
 

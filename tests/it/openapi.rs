@@ -59,6 +59,7 @@ async fn every_described_operation_is_there() {
                 let query = match template.rsplit('/').next() {
                     Some("elevation") if method == Method::GET => "?x=0&y=0",
                     Some("profile") => "?line=0,0,9,9",
+                    Some("export") => "?bbox=0,0,90,60&spacing=30&format=geotiff",
                     _ => "",
                 };
                 let document = match template.as_str() {

@@ -104,13 +104,18 @@ fn render_writes_every_format_from_files_and_stored_worlds() {
     let folder = tempfile::tempdir().unwrap();
     let area = ["--bbox", "-1000,0,1000,1500", "--spacing", "10"];
     std::fs::write(folder.path().join("world.json"), r#"{"seed":1,"base":{"programme":"fbm(1, 2, 8)","scale":1000}}"#).unwrap();
-    for (output, start) in [("a.png", &b"\x89PNG"[..]), ("a.tif", b"II*\0"), ("a.r32", b"")] {
+    for (output, start) in [("a.png", &b"\x89PNG"[..]), ("a.tif", b"II*\0"), ("a.r16", b""), ("a.r32", b"")] {
         let done = run(&[&["render", "world.json"], &area[..], &["-o", output]].concat(), folder.path());
         assert!(done.status.success(), "{}", text(&done.stderr));
         assert_eq!(text(&done.stdout), format!("{output}: 200 × 150 samples of 10 m over -1000,0,1000,1500\n"));
         assert!(std::fs::read(folder.path().join(output)).unwrap().starts_with(start));
     }
     assert_eq!(std::fs::metadata(folder.path().join("a.r32")).unwrap().len(), 200 * 150 * 4);
+    for (output, start) in [("a.obj", &b"# Terrain over -1000,0,1000,1500:"[..]), ("a.glb", b"glTF\x02")] {
+        let done = run(&[&["render", "world.json"], &area[..], &["-o", output]].concat(), folder.path());
+        assert_eq!(text(&done.stdout), format!("{output}: 201 × 151 samples of 10 m over -1000,0,1000,1500\n"), "vertices on both edges");
+        assert!(std::fs::read(folder.path().join(output)).unwrap().starts_with(start));
+    }
     drop(Server::start(&folder.path().join("data-store")));
     assert!(run(&[&["render", "alps"], &area[..], &["-o", "b.png", "--tileset", "terrarium"]].concat(), folder.path()).status.success());
     for (arguments, expected) in [
@@ -118,7 +123,8 @@ fn render_writes_every_format_from_files_and_stored_worlds() {
             &["render", "alp", "-o", "c.png"][..],
             "error: alp is neither a file nor one of the worlds in ./data-store: alps, archipelago, archipelago-endless, cordillera, dunes, eq2, hills, mesas, ridges-and-rivers, ridges-rivers-and-lakes\n",
         ),
-        (&["render", "alps", "-o", "c.jpg"], "error: c.jpg must end in .png, .tif or .r32\n"),
+        (&["render", "alps", "-o", "c.jpg"], "error: c.jpg must end in .png, .tif, .r16, .r32, .obj or .glb\n"),
+        (&["render", "alps", "-o", "c.png", "--registration", "vertices"], "error: --registration vertices is for heights: pictures are made of pixels\n"),
         (&["render", "alps", "-o", "c.tif", "--tileset", "terrarium"], "error: --tileset is for .png files: .tif holds the elevations themselves\n"),
     ] {
         let failed = run(&[arguments, &area[..]].concat(), folder.path());

@@ -1,11 +1,11 @@
 //! A world's features, to be read.
 
 use crate::{
-    geometry::{PLANE_LIMIT, Rectangle},
+    geometry::Rectangle,
     layout::geojson::{Drawn, Sets, name_of_feature},
     server::{
         error::ApiError,
-        extract::{FeatureAt, Known, PublicUrl, WorldAt},
+        extract::{FeatureAt, Known, PublicUrl, WorldAt, parse_bbox},
         features::Place,
         headers::{Freshness, is_fresh, not_modified, tagged},
         schema::{FeatureCollectionSchema, FeatureSchema, ProblemDetails},
@@ -44,11 +44,8 @@ pub(crate) struct FeaturesQuery {
 impl FeaturesQuery {
     fn area(&self) -> Result<Option<Rectangle>, ApiError> {
         let Some(bbox) = &self.bbox else { return Ok(None) };
-        let numbers: Option<Vec<f64>> = bbox.split(',').map(|number| number.trim().parse().ok().filter(|c: &f64| c.abs() <= PLANE_LIMIT)).collect();
-        match numbers.as_deref() {
-            Some(&[x0, y0, x1, y1]) if x0 <= x1 && y0 <= y1 => Ok(Some(Rectangle { min: [x0, y0], max: [x1, y1] })),
-            _ => Err(ApiError::parameter("bbox", "must be minx,miny,maxx,maxy in metres within 2^40 of the origin, the least corner first")),
-        }
+        let [x0, y0, x1, y1] = parse_bbox(bbox)?;
+        Ok(Some(Rectangle { min: [x0, y0], max: [x1, y1] }))
     }
 }
 
