@@ -42,6 +42,7 @@ browser: viewer
 # The long forms: hours of what `make test` does in seconds.
 soak:
 	TERRANE_KILLS=500 $(CARGO) test --release --test it -- program::a_killed_server
+	TERRANE_LEAVERS=1000 TERRANE_HOSTILE=200 $(CARGO) test --release --test it -- --include-ignored --nocapture --test-threads=1 load:: hostile::
 	TERRANE_KILLS=100 $(CARGO) test --release --test it -- pyramid::a_killed_export
 	TERRANE_PROGRAMMES=100000 $(CARGO) test --release --test it -- properties::
 	$(CARGO) test --release --test it -- --ignored --nocapture costs::costs_are_predicted

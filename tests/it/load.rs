@@ -3,10 +3,13 @@
 
 use crate::process::Server;
 use std::{
+    cell::{Cell, RefCell},
     io::{Read, Write},
     net::TcpStream,
+    rc::Rc,
     time::{Duration, Instant},
 };
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
 /// Clients that leave; `TERRANE_LEAVERS` says otherwise.
 fn leavers() -> usize {
@@ -94,4 +97,125 @@ fn answer(stream: &mut TcpStream) -> u16 {
     let mut body = vec![0; length];
     stream.read_exact(&mut body).unwrap();
     head.split(' ').nth(1).unwrap().parse().unwrap()
+}
+
+/// Ten times as many tiles as the server can make, asked for whether or not earlier ones were answered. Server and clients have a core each.
+#[test]
+#[ignore = "a measurement: it takes half a minute and both cores"]
+fn an_overloaded_server_goes_on_serving() {
+    const SECONDS: u64 = 10;
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start_with(&folder.path().join("data"), &[("TERRANE_SERVER__THREADS", "1")]);
+    pin(server.child.id(), 0);
+    pin(std::process::id(), 1);
+    let pool = Pool { address: server.address.clone(), idle: RefCell::default(), tiles: Cell::new(0) };
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    let local = tokio::task::LocalSet::new();
+    local.block_on(&runtime, async {
+        let pool = Rc::new(pool);
+        let mut alone = Vec::new();
+        for _ in 0..300 {
+            alone.push(pool.tile().await.1);
+        }
+        let begun = Instant::now();
+        let clients = (0..8).map(|_| {
+            let pool = Rc::clone(&pool);
+            tokio::task::spawn_local(async move {
+                let mut served = 0;
+                while begun.elapsed() < Duration::from_secs(SECONDS) {
+                    served += u64::from(pool.tile().await.0 == 200);
+                }
+                served
+            })
+        });
+        let clients: Vec<_> = clients.collect();
+        let mut served = 0;
+        for client in clients {
+            served += client.await.unwrap();
+        }
+        let capacity = served as f64 / begun.elapsed().as_secs_f64();
+
+        let (begun, mut asked, mut answers) = (Instant::now(), 0, Vec::new());
+        let health = tokio::task::spawn_local({
+            let pool = Rc::clone(&pool);
+            async move {
+                let mut times = Vec::new();
+                while begun.elapsed() < Duration::from_secs(SECONDS) {
+                    times.push(pool.ask("/healthz").await.1);
+                    tokio::time::sleep(Duration::from_millis(20)).await;
+                }
+                times
+            }
+        });
+        while begun.elapsed() < Duration::from_secs(SECONDS) {
+            let due = (begun.elapsed().as_secs_f64() * 10.0 * capacity) as u64;
+            for _ in asked..due {
+                let pool = Rc::clone(&pool);
+                answers.push(tokio::task::spawn_local(async move { pool.tile().await }));
+            }
+            asked = due;
+            tokio::time::sleep(Duration::from_millis(1)).await;
+        }
+        let (mut accepted, mut refused) = (Vec::new(), Vec::new());
+        for answer in answers {
+            let (status, took) = answer.await.unwrap();
+            if status == 200 { accepted.push(took) } else { refused.push(took) }
+        }
+        let goodput = accepted.len() as f64 / begun.elapsed().as_secs_f64();
+        println!("capacity {capacity:.0} tiles/s, alone p99 {:.1} ms", p99(&mut alone));
+        println!("asked {:.0}/s: goodput {goodput:.0} tiles/s ({:.0} %)", asked as f64 / SECONDS as f64, 100.0 * goodput / capacity);
+        println!("p99 of {} accepted {:.0} ms, of {} refused {:.0} ms", accepted.len(), p99(&mut accepted), refused.len(), p99(&mut refused));
+        println!("/healthz p99 {:.1} ms", p99(&mut health.await.unwrap()));
+        assert!(!refused.is_empty());
+    });
+}
+
+fn p99(times: &mut [Duration]) -> f64 {
+    times.sort_unstable();
+    times.get(times.len() * 99 / 100).map_or(0.0, |time| time.as_secs_f64() * 1e3)
+}
+
+/// Gives a process and all its threads one core.
+fn pin(process: u32, core: u8) {
+    let pinned = std::process::Command::new("taskset").args(["-a", "-c", "-p", &core.to_string(), &process.to_string()]).output();
+    println!("core {core}: {}", pinned.map_or_else(|error| error.to_string(), |output| output.status.to_string()));
+}
+
+/// Connections that are kept, and tiles that nobody has asked for.
+struct Pool {
+    address: String,
+    idle: RefCell<Vec<tokio::net::TcpStream>>,
+    tiles: Cell<u64>,
+}
+
+impl Pool {
+    async fn tile(&self) -> (u16, Duration) {
+        let n = self.tiles.replace(self.tiles.get() + 1);
+        self.ask(&format!("/worlds/alps/web/terrarium/14/{}/{}.png", 4000 + n % 8000, 4000 + n / 8000)).await
+    }
+
+    /// Status of an answer, and the time until its last byte.
+    async fn ask(&self, path: &str) -> (u16, Duration) {
+        let begun = Instant::now();
+        let idle = self.idle.borrow_mut().pop();
+        let mut stream = match idle {
+            Some(stream) => stream,
+            None => tokio::net::TcpStream::connect(&self.address).await.unwrap(),
+        };
+        stream.write_all(format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n").as_bytes()).await.unwrap();
+        let mut buffer = Vec::with_capacity(1 << 16);
+        let end = loop {
+            assert!(stream.read_buf(&mut buffer).await.unwrap() > 0, "the server closed the connection");
+            if let Some(end) = buffer.windows(4).position(|window| window == b"\r\n\r\n") {
+                break end + 4;
+            }
+        };
+        let head = String::from_utf8_lossy(&buffer[..end]).to_lowercase();
+        let length: usize = head.split("content-length: ").nth(1).unwrap().lines().next().unwrap().parse().unwrap();
+        while buffer.len() < end + length {
+            stream.read_buf(&mut buffer).await.unwrap();
+        }
+        self.idle.borrow_mut().push(stream);
+        (head[9..12].parse().unwrap(), begun.elapsed())
+    }
 }
