@@ -41,7 +41,8 @@ pub(super) async fn observe(State(app): State<App>, request: Request, next: Next
     app.0.metrics.answered(method, &route, status.as_u16(), took);
     span.in_scope(|| {
         let (status, milliseconds) = (status.as_u16(), took.as_secs_f64() * 1e3);
-        if status >= 500 {
+        // Refusals come by the thousand when there is no time to write of them; they are counted.
+        if status >= 500 && status != 503 {
             tracing::warn!(status, milliseconds, "answered");
         } else {
             tracing::debug!(status, milliseconds, "answered");

@@ -91,6 +91,10 @@ pub(crate) async fn get_tile(
     if let Some(bytes) = app.0.tiles.cached(&fingerprint) {
         return Ok(answer(bytes));
     }
+    let class = class(&headers);
+    if app.0.tiles.refuses(&fingerprint, class) {
+        return Err(ApiError::Overloaded);
+    }
     let mask = request.mask_window().map_err(absent)?;
     let cost_ns = live.world.cost_ns(&window) + mask.map_or(0.0, |mask| live.world.cost_ns(&mask)) + request.drawing_ns();
     if cost_ns > MOST_TILE_NS {
@@ -100,7 +104,7 @@ pub(crate) async fn get_tile(
         return Err(ApiError::parameter(if request.filter == Filter::Exact { "filter" } else { "tile" }, detail));
     }
     let kind = [request.tileset.name(), if live.world.document().layers.is_empty() { "programme" } else { "layout" }];
-    let order = Order { fingerprint, revision: live.world.revision().clone(), class: class(&headers), cost_ns, kind };
+    let order = Order { fingerprint, revision: live.world.revision().clone(), class, cost_ns, kind };
     let draw = move |stop: &Stop| match request.tileset {
         Tileset::Features => tile::render_features(&live.world, &request),
         _ => tile::render(&Until { source: &live.world, stop: stop.clone() }, &request),

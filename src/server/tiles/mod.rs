@@ -190,6 +190,17 @@ impl Tiles {
         cached
     }
 
+    /// Whether a tile that is not at hand would be refused: what is asked before anything is predicted of it, as it has to cost next to nothing.
+    pub(super) fn refuses(&self, fingerprint: &Fingerprint, class: Class) -> bool {
+        let underway = self.shared.underway();
+        let is_refused = !underway.has(fingerprint) && !underway.admits(class, self.shared.patience);
+        drop(underway);
+        if is_refused {
+            self.shared.metrics.refused("queue", 1);
+        }
+        is_refused
+    }
+
     /// A tile that is not at hand: under way, or made now. It is made by a task of its own, which others may wait for too; it is given up when all who wait have
     /// gone, at the next row if it has begun.
     pub(super) async fn get(&self, order: Order, make: impl FnOnce(&Stop) -> Result<Vec<u8>, TileError> + Send + 'static) -> Outcome {
@@ -220,7 +231,7 @@ impl Tiles {
             shared.metrics.refused("set-aside", 1);
             return Err(TileFailure::SetAside);
         }
-        if !underway.admits(&order, shared.patience) {
+        if !underway.admits(class, shared.patience) {
             shared.metrics.refused("queue", 1);
             return Err(TileFailure::Overloaded);
         }

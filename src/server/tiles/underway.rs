@@ -71,6 +71,10 @@ impl Underway {
         self.running
     }
 
+    pub(super) fn has(&self, fingerprint: &Fingerprint) -> bool {
+        self.tiles.contains_key(fingerprint)
+    }
+
     pub(super) fn waiting(&self, class: Class) -> usize {
         self.queue.waiting(class)
     }
@@ -92,9 +96,9 @@ impl Underway {
     }
 
     /// Whether a new tile would have its turn in time.
-    pub(super) fn admits(&self, order: &Order, patience: Duration) -> bool {
-        let ahead_ns = (self.queue.ahead_ns(order.class) + self.running_ns) * self.pace / self.threads as f64;
-        self.queue.waiting(order.class) < ALWAYS || ahead_ns <= patience.as_nanos() as f64
+    pub(super) fn admits(&self, class: Class, patience: Duration) -> bool {
+        let ahead_ns = (self.queue.ahead_ns(class) + self.running_ns) * self.pace / self.threads as f64;
+        self.queue.waiting(class) < ALWAYS || ahead_ns <= patience.as_nanos() as f64
     }
 
     pub(super) fn begin(&mut self, order: Order, make: Make, now: Instant) -> (u64, oneshot::Receiver<Outcome>) {
