@@ -29,21 +29,21 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// For samples that are taken in some way.
-    pub(super) fn new(graph: &Graph, frame: &Frame, sampling: Sampling) -> Self {
+    /// For samples that are taken in some way; `waves` are the lengths of all waves.
+    pub(super) fn new(graph: &Graph, waves: &[f64], frame: &Frame, sampling: Sampling) -> Self {
         let Sampling { n: subsamples, fading: Fading { spacing, .. } } = sampling;
         let part = spacing / subsamples as f64;
         let detail = sampling::detail(spacing, subsamples);
         let fields = bounds::fields(graph, frame.seed, detail);
         let shapes = graph.shapes.iter().map(|shape| shape.filtered(part)).collect();
-        let draws = sampling::draws(graph, subsamples, detail);
-        let waves = sampling::waves(graph, subsamples, detail);
+        let draws = sampling::draws(graph, waves.len(), subsamples, detail);
+        let waves = sampling::waves(graph, waves, subsamples, detail);
         Self { fields, shapes, sampling, draws, waves }
     }
 
     /// The programme as it is.
     pub(super) fn exact(graph: &Graph, frame: &Frame) -> Self {
-        Self::new(graph, frame, Sampling { n: 1, fading: Fading::NONE })
+        Self::new(graph, &[], frame, Sampling { n: 1, fading: Fading::NONE })
     }
 }
 
@@ -137,7 +137,7 @@ impl<'a> Evaluation<'a> {
     pub(super) fn new(isa: Isa, tape: &'a Tape, frame: &'a Frame, window: &Window) -> Self {
         let spacing = if window.filter == Filter::Band { window.spacing() / frame.scale } else { 0.0 };
         let sampling = tape.sampling(spacing);
-        let (n, prepared) = (sampling.n, Prepared::new(&tape.graph, frame, sampling));
+        let (n, prepared) = (sampling.n, Prepared::new(&tape.graph, &sampling::wave_lengths(&tape.graph), frame, sampling));
         let sub = offsets(n, window.spacing());
         let columns: Vec<f64> =
             window.columns.coordinates().flat_map(|x| sub.clone().map(move |d| x + d)).map(|x| (x - frame.origin[0]) / frame.scale).collect();

@@ -6,6 +6,7 @@ use super::{
     graph::{Eroded, Graph, HERE, Id, Place, PlaceId, Step},
     kernels,
     node::Node,
+    sampling::wave_lengths,
     tape::Tape,
 };
 use crate::{
@@ -42,7 +43,7 @@ impl Reference {
         let tapes = |root| Tape::plain(root).ok().zip(Tape::try_compile(root).ok());
         let (plain, simplified) = tapes(root).expect("a programme's size was checked when it was parsed");
         let units = if filter == Filter::Band { spacing / frame.scale } else { 0.0 };
-        let prepared = Prepared::new(&plain.graph, frame, simplified.sampling(units));
+        let prepared = Prepared::new(&plain.graph, &wave_lengths(&simplified.graph), frame, simplified.sampling(units));
         Self::prepared(plain.graph.clone(), frame, prepared, spacing, &plain)
     }
 

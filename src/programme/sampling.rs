@@ -55,34 +55,33 @@ impl Wave {
     }
 }
 
-/// The lengths of the programme's waves, each once.
-fn wave_lengths(graph: &Graph, lengths: &[Option<f64>]) -> Vec<f64> {
+/// The lengths of the programme's waves, each once: where a programme is held against its simplified form, those of that, which has none that are never chosen.
+pub(super) fn wave_lengths(graph: &Graph) -> Vec<f64> {
+    let lengths = waves::lengths(graph);
     let mut all: Vec<f64> = waves::arguments(graph).filter_map(|argument| lengths[argument]).collect();
     all.sort_by(f64::total_cmp);
     all.dedup();
     all
 }
 
-/// The waves that sines and cosines of each step make and that parts of samples, `spacing` programme units apart, do not carry whole.
-pub(super) fn waves(graph: &Graph, subsamples: usize, spacing: f64) -> Vec<Option<Wave>> {
+/// The waves, of all lengths there are, that sines and cosines of each step make and that parts of samples, `spacing` programme units apart, do not carry whole.
+pub(super) fn waves(graph: &Graph, all: &[f64], subsamples: usize, spacing: f64) -> Vec<Option<Wave>> {
     if subsamples != SIDE {
         return vec![None; graph.steps.len()];
     }
-    let lengths = waves::lengths(graph);
-    let all = wave_lengths(graph, &lengths);
     let wave = |length: Option<f64>| {
         let (carried, values) = noise::wave_draws(length?, spacing, all.iter().position(|&other| Some(other) == length)?)?;
         Some(Wave { carried, drawn: Drawn { values, range: [-1.0, 1.0] } })
     };
-    lengths.into_iter().map(wave).collect()
+    waves::lengths(graph).into_iter().map(wave).collect()
 }
 
 /// What stands for the detail of every noise in the parts of samples, those parts being `spacing` programme units apart; nothing for a spacing of 0.
-pub(super) fn draws(graph: &Graph, subsamples: usize, spacing: f64) -> Vec<Option<Drawn>> {
+/// `first` is how many draws the waves have.
+pub(super) fn draws(graph: &Graph, first: usize, subsamples: usize, spacing: f64) -> Vec<Option<Drawn>> {
     if subsamples != SIDE {
         return vec![None; graph.noises.len()];
     }
-    let first = wave_lengths(graph, &waves::lengths(graph)).len();
     // Octaves of one lattice swing together, whatever they are part of.
     let mut lattices = Vec::new();
     for noise in &graph.noises {
@@ -113,7 +112,7 @@ pub(super) fn detail(spacing: f64, subsamples: usize) -> f64 {
 fn fading(graph: &Graph, spacing: f64) -> usize {
     let noises = graph.reachable(graph.root).into_iter().filter_map(|id| if let Step::Noise(noise, _) = graph.steps[id] { Some(noise) } else { None });
     let finest = noises.map(|noise| graph.noises[noise].shape.finest_cell(MATTERS)).fold(f64::INFINITY, f64::min);
-    let shortest = wave_lengths(graph, &waves::lengths(graph)).first().copied().unwrap_or(f64::INFINITY);
+    let shortest = wave_lengths(graph).first().copied().unwrap_or(f64::INFINITY);
     match 4.0 * spacing / finest.min(shortest) {
         parts if parts <= 1.0 => 1,
         parts if parts <= 2.0 => 2,
