@@ -19,7 +19,7 @@ use crate::{
 use std::collections::BTreeMap;
 
 impl Layout {
-    /// The terrain over a window; `base` is the elevation beneath the layout, one a sample row by row from north to south.
+    /// The terrain over a window, until the selection's `stop` is set; `base` is the elevation beneath the layout, one a sample row by row from north to south.
     ///
     /// # Panics
     /// If the base has not one elevation a sample.

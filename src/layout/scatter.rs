@@ -259,7 +259,7 @@ impl Scatter {
     }
 
     /// The terrain over a window, the numbers of materials, and the shares of all materials ([`Scatter::materials`], all of a sample together), which sum to 1 or 0;
-    /// `base` is what is beneath, `wanted` whether the cover of water, the numbers and the shares are wanted.
+    /// `base` is what is beneath, `wanted` whether the cover of water, the numbers and the shares are wanted. When `stop` is set, what is left stays as it is beneath.
     ///
     /// # Panics
     /// If the base has not one elevation a sample.

@@ -1,5 +1,6 @@
 //! The threads that evaluate terrain, apart from those that answer requests.
 
+use crate::geometry::Stop;
 use std::{
     any::Any,
     panic::{AssertUnwindSafe, catch_unwind},
@@ -48,6 +49,26 @@ pub(super) fn caught<T>(task: impl FnOnce() -> T) -> Result<T, Panicked> {
         tracing::error!(message, "an evaluation panicked");
         Panicked
     })
+}
+
+/// Ends evaluations when who asked for them is gone.
+pub(super) struct WhileAsked(Stop);
+
+impl WhileAsked {
+    pub(super) fn new() -> Self {
+        Self(Stop::new())
+    }
+
+    /// What is set then.
+    pub(super) fn stop(&self) -> Stop {
+        self.0.clone()
+    }
+}
+
+impl Drop for WhileAsked {
+    fn drop(&mut self) {
+        self.0.set();
+    }
 }
 
 /// What a panic said, if it was text.

@@ -1,8 +1,13 @@
 //! Files of areas, evaluated while their clients take them.
 
-use super::{compute::Compute, config::LimitsConfig, error::ApiError, worlds::Live};
+use super::{
+    compute::{Compute, WhileAsked},
+    config::LimitsConfig,
+    error::ApiError,
+    worlds::Live,
+};
 use crate::{
-    geometry::Source,
+    geometry::{Source, Until},
     tile::{Area, AreaWriter, EncodeError},
 };
 use axum::body::{Body, Bytes};
@@ -129,7 +134,7 @@ impl Exports {
     }
 
     /// The bytes of the file. They are made as they are asked for: a connection that takes none holds a band of rows and a part for every thread, and lets none
-    /// be evaluated; one that is closed drops this, and parts that have not begun never do.
+    /// be evaluated; one that is closed drops this, and parts that have not begun never do, and those that have end at their next row.
     pub(super) fn body(&self, export: Export) -> Body {
         let Export { live, area, writer, permit } = export;
         let bands = self.parts(live, area).chunks(area.parts_a_band());
@@ -139,14 +144,16 @@ impl Exports {
 
     /// The heights of the parts in their order, a few of them evaluated at a time.
     fn parts(&self, live: Arc<Live>, area: Area) -> impl Stream<Item = Result<Vec<f32>, ApiError>> + use<> {
-        let (compute, evaluations, wanted) = (Arc::clone(&self.compute), Arc::clone(&self.evaluations), Arc::new(()));
+        let (compute, evaluations, asked) = (Arc::clone(&self.compute), Arc::clone(&self.evaluations), WhileAsked::new());
         let threads = compute.threads();
         let evaluate = move |part| {
-            let (compute, live, evaluations, wanted) = (Arc::clone(&compute), Arc::clone(&live), Arc::clone(&evaluations), Arc::downgrade(&wanted));
+            let (compute, live, evaluations, stop) = (Arc::clone(&compute), Arc::clone(&live), Arc::clone(&evaluations), asked.stop());
             let task = move || {
-                wanted.upgrade()?;
+                if stop.is_set() {
+                    return None;
+                }
                 evaluations.fetch_add(1, Ordering::Relaxed);
-                Some(area.evaluate(&live.world, part))
+                Some(area.evaluate(&Until { source: &live.world, stop }, part))
             };
             // Only what nobody waits for is not wanted.
             async move { compute.run(task).await?.ok_or(ApiError::Internal) }

@@ -1,7 +1,7 @@
 //! From configuration to a listening server, and to its end.
 
 use super::{
-    config::{Config, LimitsConfig},
+    config::{Config, LimitsConfig, Reads},
     connections::{self, Limits},
     router,
     state::{App, StartError},
@@ -23,7 +23,8 @@ pub async fn serve(config: &Config) -> Result<(), StartError> {
     let address = listener.local_addr().map_err(listen)?;
     tracing::info!("listening on http://{address}");
     if !address.ip().is_loopback() {
-        tracing::info!("other machines reach this address: reads are open, writes need a key (terrane key new)");
+        let reads = if config.server.reads == Reads::Open { "reads are open, writes need" } else { "reads and writes need" };
+        tracing::info!("other machines reach this address: {reads} a key (terrane key new)");
     }
 
     let (stops, mut stopped) = watch::channel(false);

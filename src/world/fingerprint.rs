@@ -53,14 +53,9 @@ impl World {
         self.identify(&format!("{form}\nview {pixels}"), &Rectangle::EVERYTHING)
     }
 
-    /// The fingerprint of a file of samples in an area; `form` says everything of it but the world.
-    #[must_use]
-    pub fn area_fingerprint(&self, form: &str, area: &Rectangle) -> Fingerprint {
-        self.identify(form, area)
-    }
-
     /// The identity of something drawn from an area of this world that `what` describes in full.
-    fn identify(&self, what: &str, area: &Rectangle) -> Fingerprint {
+    #[must_use]
+    pub fn identify(&self, what: &str, area: &Rectangle) -> Fingerprint {
         let mut hash = self.prefix.0.clone();
         hash.update(what);
         for layer in self.layers().filter_map(|layer| layer.content_in(area)) {

@@ -1,9 +1,10 @@
 //! The ground at a point, at many points, and along a line.
 
 use crate::{
-    geometry::{MAX_LATITUDE, Stop, WindowError, from_lon_lat},
+    geometry::{MAX_LATITUDE, WindowError, from_lon_lat},
     query::{self, BatchError, PointElevation},
     server::{
+        compute::WhileAsked,
         error::{ApiError, Entry},
         extract::{Body, Known, WorldAt},
         headers::{Freshness, json},
@@ -104,19 +105,10 @@ const MOST_NS: f64 = 1e10;
 /// Points of a profile without a wish.
 const USUAL_POINTS: usize = 256;
 
-/// Ends an evaluation when who asked for it is gone.
-struct WhileAsked(Stop);
-
-impl Drop for WhileAsked {
-    fn drop(&mut self) {
-        self.0.set();
-    }
-}
-
 /// Evaluates points apart from the threads that answer, for as long as somebody waits.
 async fn evaluate(app: &App, live: Arc<Live>, points: Vec<[f64; 2]>, spacing: Option<f64>) -> Result<Result<Vec<PointElevation>, BatchError>, ApiError> {
-    let asked = WhileAsked(Stop::new());
-    let stop = asked.0.clone();
+    let asked = WhileAsked::new();
+    let stop = asked.stop();
     Ok(app.0.queries.run(move || query::elevations(&live.world, &points, spacing, MOST_NS, &stop)).await?)
 }
 

@@ -167,6 +167,7 @@ impl PreviewQuery {
     (status = 304, description = "The picture is what If-None-Match names; nothing was evaluated"),
     (status = 400, description = "The query is wrong", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 404, description = "No such programme", body = ProblemDetails, content_type = "application/problem+json"),
+    (status = 500, description = "The evaluation failed, or this revision of the programme has failed so often that it is set aside", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 503, description = "Too many tiles are waiting", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
 pub(crate) async fn get_preview(

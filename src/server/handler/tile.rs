@@ -63,6 +63,7 @@ pub(crate) struct TilesetQuery {
     (status = 304, description = "The tile is what If-None-Match names; nothing was evaluated"),
     (status = 400, description = "A part of the address is no number, the query is wrong, or exact samples so far apart would take longer than 10 s", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 404, description = "No such world, grid, tileset, extension or tile", body = ProblemDetails, content_type = "application/problem+json"),
+    (status = 500, description = "The evaluation failed, or this revision of the world has failed so often that it is set aside", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 503, description = "Too many tiles are waiting", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
 pub(crate) async fn get_tile(
