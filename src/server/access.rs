@@ -1,6 +1,11 @@
 //! Who may do what: keys, and where a request comes from.
 
-use super::{config::Reads, error::ApiError, state::App};
+use super::{
+    budget::{Budget, Client},
+    config::Reads,
+    error::ApiError,
+    state::App,
+};
 use crate::store::{Scope, Store, StoreError, hash_of};
 use arc_swap::ArcSwap;
 use axum::{
@@ -59,17 +64,49 @@ impl Known {
 }
 
 /// Lets a request through that may do what it asks for.
-pub(super) async fn guard(State(app): State<App>, request: Request, next: Next) -> Response {
-    match check(&app, request.method(), request.uri().path(), request.headers()).await {
-        Ok(()) => next.run(request).await,
+pub(super) async fn guard(State(app): State<App>, mut request: Request, next: Next) -> Response {
+    let client = app.0.keys.known().await.map_err(ApiError::from).and_then(|known| admit(&app, &known, &request));
+    match client {
+        Ok(client) => {
+            request.extensions_mut().insert(client);
+            next.run(request).await
+        }
         Err(error) => error.into_response(),
     }
 }
 
-async fn check(app: &App, method: &Method, path: &str, headers: &HeaderMap) -> Result<(), ApiError> {
+/// Who asks, if it may ask for this now.
+fn admit(app: &App, known: &Known, request: &Request) -> Result<Client, ApiError> {
+    let (path, headers) = (request.uri().path(), request.headers());
+    let client = client(known, headers, request.extensions().get().copied(), app.0.proxies);
+    if is_guarded(path) {
+        app.0.budgets.take(&client, Budget::Requests, 1.0, Instant::now())?;
+    }
+    check(app, request.method(), path, headers, known)?;
+    Ok(client)
+}
+
+/// The other end of a request's connection.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Peer(pub IpAddr);
+
+/// Whose budgets a request uses: those of its key, or those of where it comes from, as the proxies that are believed have it.
+fn client(known: &Known, headers: &HeaderMap, peer: Option<Peer>, proxies: usize) -> Client {
+    if let Some(hash) = bearer(headers).map(hash_of).filter(|hash| known.scopes.contains_key(hash)) {
+        return Client::Key(hash);
+    }
+    let forwarded = || {
+        let lists = headers.get_all("x-forwarded-for").iter().filter_map(|list| list.to_str().ok());
+        let addresses: Vec<&str> = lists.flat_map(|list| list.split(',')).map(str::trim).collect();
+        addresses.get(addresses.len().checked_sub(proxies)?)?.parse::<IpAddr>().ok()
+    };
+    let address = if proxies == 0 { None } else { forwarded() };
+    address.or(peer.map(|Peer(address)| address)).map_or(Client::Local, Client::at)
+}
+
+fn check(app: &App, method: &Method, path: &str, headers: &HeaderMap, known: &Known) -> Result<(), ApiError> {
     let state = &app.0;
     let Some(needed) = needed(method, path, state.reads) else { return Ok(()) };
-    let known = state.keys.known().await?;
     if let Some(secret) = bearer(headers) {
         let scope = known.scopes.get(&hash_of(secret)).ok_or(ApiError::Unauthorized("There is no such key, or it was taken back."))?;
         return if *scope >= needed { Ok(()) } else { Err(ApiError::Scope(needed)) };
@@ -87,14 +124,16 @@ async fn check(app: &App, method: &Method, path: &str, headers: &HeaderMap) -> R
 pub(super) fn needed(method: &Method, path: &str, reads: Reads) -> Option<Scope> {
     match *method {
         Method::OPTIONS => None,
-        Method::GET | Method::HEAD => {
-            let is_guarded = GUARDED.iter().any(|guarded| path.strip_prefix(guarded).is_some_and(|rest| rest.is_empty() || rest.starts_with('/')));
-            (reads == Reads::Keys && is_guarded).then_some(if path == "/metrics" { Scope::Admin } else { Scope::Read })
-        }
+        Method::GET | Method::HEAD => (reads == Reads::Keys && is_guarded(path)).then_some(if path == "/metrics" { Scope::Admin } else { Scope::Read }),
         // Questions that are too long for an address.
         Method::POST if path.starts_with("/worlds/") && path.ends_with("/elevation") => (reads == Reads::Keys).then_some(Scope::Read),
         _ => Some(Scope::Write),
     }
+}
+
+/// Whether a path is one of what keys and budgets guard.
+fn is_guarded(path: &str) -> bool {
+    GUARDED.iter().any(|guarded| path.strip_prefix(guarded).is_some_and(|rest| rest.is_empty() || rest.starts_with('/')))
 }
 
 /// The secret of a key.

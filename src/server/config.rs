@@ -33,6 +33,8 @@ pub struct ServerConfig {
     pub threads: usize,
     /// The URL that clients reach the server by, base path included; empty: from each request's Host header.
     pub public_url: String,
+    /// How many proxies stand before the server, 0 … 16: so many last addresses of `X-Forwarded-For` are believed.
+    pub proxies: usize,
     /// Whether anybody may read, or only who has a key.
     pub reads: Reads,
     /// Seconds that requests under way get to finish after SIGTERM, 0 … 3600.
@@ -74,6 +76,10 @@ pub struct LimitsConfig {
     pub queue_ms: u64,
     /// Requests under way at a time, 1 … 1000000; others are refused with 503.
     pub requests: usize,
+    /// Requests of one client in 10 s, 0 … 1000000; then it gets 429. 0 is without limit, as this machine is.
+    pub client_requests: u64,
+    /// Seconds of predicted evaluation of one client in 10 s, 0 … 100000; then it gets 429. 0 is without limit, as this machine is.
+    pub client_seconds: u64,
     /// Samples of one export, 1 … 536870912; meshes have 2^22 at most.
     pub export_samples: u64,
     /// Seconds of predicted evaluation of one export on one thread, 1 … 86400.
@@ -89,7 +95,16 @@ pub struct LimitsConfig {
 impl Default for ServerConfig {
     fn default() -> Self {
         let listen = SocketAddr::from(([127, 0, 0, 1], 8080));
-        Self { listen, data: "./data-store".into(), threads: 0, public_url: String::new(), reads: Reads::Open, drain_seconds: 10, connections: 4096 }
+        Self {
+            listen,
+            data: "./data-store".into(),
+            threads: 0,
+            public_url: String::new(),
+            proxies: 0,
+            reads: Reads::Open,
+            drain_seconds: 10,
+            connections: 4096,
+        }
     }
 }
 
@@ -106,6 +121,8 @@ impl Default for LimitsConfig {
             feature_bytes: 536_870_912,
             queue_ms: 250,
             requests: 1024,
+            client_requests: 2000,
+            client_seconds: 20,
             export_samples: 268_435_456,
             export_seconds: 600,
             exports: 4,
@@ -174,6 +191,9 @@ impl Config {
         range("limits.export_samples", self.limits.export_samples, 1, 536_870_912);
         range("limits.export_seconds", self.limits.export_seconds, 1, 86_400);
         range("limits.exports", self.limits.exports as u64, 1, 1_000);
+        range("limits.client_requests", self.limits.client_requests, 0, 1_000_000);
+        range("limits.client_seconds", self.limits.client_seconds, 0, 100_000);
+        range("server.proxies", self.server.proxies as u64, 0, 16);
         range("limits.head_seconds", self.limits.head_seconds, 1, 3600);
         range("limits.stall_seconds", self.limits.stall_seconds, 1, 3600);
         let url = &self.server.public_url;
@@ -233,7 +253,7 @@ mod tests {
         check(
             "[server]\nlistn = 1",
             &[],
-            "configuration:\n  server.listn: unknown field `listn`, expected one of `listen`, `data`, `threads`, `public_url`, `reads`, `drain_seconds`, `connections`",
+            "configuration:\n  server.listn: unknown field `listn`, expected one of `listen`, `data`, `threads`, `public_url`, `proxies`, `reads`, `drain_seconds`, `connections`",
         );
         check(
             "[server]\nthreads = 5000\npublic_url = \"ftp://x\"\n[limits]\nworld_bytes = 0",

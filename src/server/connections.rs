@@ -1,6 +1,7 @@
 //! Connections: accepted, held to deadlines, and let go.
 
 use super::{
+    access::Peer,
     error::ApiError,
     metrics::Metrics,
     pace::{PacedBody, PacedStream},
@@ -11,7 +12,7 @@ use hyper_util::{
     rt::{TokioIo, TokioTimer},
     server::graceful::GracefulShutdown,
 };
-use std::{convert::Infallible, io, pin::pin, sync::Arc, time::Duration};
+use std::{convert::Infallible, io, net::IpAddr, pin::pin, sync::Arc, time::Duration};
 use tokio::{
     net::{TcpListener, TcpStream},
     sync::{OwnedSemaphorePermit, Semaphore},
@@ -47,7 +48,7 @@ struct Service {
 }
 
 impl Service {
-    async fn answer(self, request: hyper::Request<Incoming>) -> Result<axum::response::Response, Infallible> {
+    async fn answer(self, peer: IpAddr, request: hyper::Request<Incoming>) -> Result<axum::response::Response, Infallible> {
         // Whoever asks whether the server lives must not be refused because it is busy.
         let is_health = matches!(request.uri().path(), "/healthz" | "/readyz");
         let room = if is_health { None } else { Some(self.requests.try_acquire_owned()) };
@@ -55,19 +56,20 @@ impl Service {
             self.metrics.refused("requests", 1);
             return Ok(ApiError::Busy.into_response());
         }
-        let request: Request = request.map(|body| Body::new(PacedBody::new(body, self.limits.stall)));
+        let mut request: Request = request.map(|body| Body::new(PacedBody::new(body, self.limits.stall)));
+        request.extensions_mut().insert(Peer(peer));
         self.router.oneshot(request).await
     }
 
     /// Serves a connection until its end.
-    fn serve(self, stream: TcpStream, graceful: &GracefulShutdown, room: OwnedSemaphorePermit) {
+    fn serve(self, stream: TcpStream, peer: IpAddr, graceful: &GracefulShutdown, room: OwnedSemaphorePermit) {
         // Only a little latency is lost where this fails.
         let _ = stream.set_nodelay(true);
         let io = TokioIo::new(PacedStream::new(stream, self.limits.stall));
         let mut builder = http1::Builder::new();
         builder.timer(TokioTimer::new()).header_read_timeout(self.limits.head).max_buf_size(HEAD_BYTES);
         let open = self.metrics.connected();
-        let connection = builder.serve_connection(io, service_fn(move |request| self.clone().answer(request)));
+        let connection = builder.serve_connection(io, service_fn(move |request| self.clone().answer(peer, request)));
         let connection = graceful.watch(connection);
         tokio::spawn(async move {
             // What a peer does wrong is no news.
@@ -92,7 +94,7 @@ pub(super) async fn serve(listener: TcpListener, router: Router, metrics: Arc<Me
         tokio::select! {
             () = &mut stop => break,
             accepted = accepted => match accepted {
-                (Ok((stream, _)), Ok(room)) => service.clone().serve(stream, &graceful, room),
+                (Ok((stream, peer)), Ok(room)) => service.clone().serve(stream, peer.ip(), &graceful, room),
                 (Err(error), _) => failed(&error).await,
                 // The semaphore is never closed.
                 (_, Err(_)) => break,

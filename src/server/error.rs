@@ -1,13 +1,13 @@
 //! Errors by who caused them, and their form on the wire: `application/problem+json` (RFC 9457).
 
-use super::{compute::Panicked, schema, shelf::LoadError, tiles::TileFailure};
+use super::{budget::Spent, compute::Panicked, schema, shelf::LoadError, tiles::TileFailure};
 use crate::{
     store::{Kind, Scope, StoreError},
     world::{DocumentError, Problem},
 };
 use axum::{
     Json,
-    http::{HeaderValue, StatusCode, header},
+    http::{HeaderName, HeaderValue, StatusCode, header},
     response::{IntoResponse, Response},
 };
 
@@ -41,6 +41,8 @@ pub(super) enum ApiError {
     Unauthorized(&'static str),
     /// Its key is for less than this.
     Scope(Scope),
+    /// The client has used up a budget.
+    Spent(Spent),
     /// More work waits than the server takes.
     Overloaded,
     /// More exports are under way than the server takes.
@@ -112,6 +114,10 @@ impl ApiError {
             }
             ApiError::Unauthorized(detail) => (StatusCode::UNAUTHORIZED, "unauthorized", detail.to_owned(), Vec::new()),
             ApiError::Scope(needed) => (StatusCode::FORBIDDEN, "scope", format!("This key's scope does not reach: {needed} is needed."), Vec::new()),
+            ApiError::Spent(Spent { budget, quota, .. }) => {
+                let detail = format!("In 10 s one client may have {quota} {}; RateLimit says when there are some again.", budget.what());
+                (StatusCode::TOO_MANY_REQUESTS, "too-many-requests", detail, Vec::new())
+            }
             ApiError::Overloaded => (StatusCode::SERVICE_UNAVAILABLE, "overloaded", "Too many tiles are waiting; try again shortly.".to_owned(), Vec::new()),
             ApiError::Exporting => (StatusCode::SERVICE_UNAVAILABLE, "busy", "Too many exports are under way; try again later.".to_owned(), Vec::new()),
             ApiError::Busy => (StatusCode::SERVICE_UNAVAILABLE, "busy", "Too many requests are under way; try again shortly.".to_owned(), Vec::new()),
@@ -127,6 +133,7 @@ impl ApiError {
 
 impl IntoResponse for ApiError {
     fn into_response(self) -> Response {
+        let fields = if let ApiError::Spent(spent) = &self { Some(spent.fields()) } else { None };
         let (status, kind, detail, errors) = self.parts();
         let title = status.canonical_reason().unwrap_or("Error").to_owned();
         let body = schema::ProblemDetails { kind: format!("urn:terrane:{kind}"), title, status: status.as_u16(), detail, errors };
@@ -136,6 +143,9 @@ impl IntoResponse for ApiError {
         headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
         if status == StatusCode::UNAUTHORIZED {
             headers.insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer realm=\"terrane\""));
+        }
+        for (name, value) in fields.into_iter().flatten() {
+            headers.extend(HeaderValue::from_str(&value).ok().map(|value| (HeaderName::from_static(name), value)));
         }
         if status == StatusCode::SERVICE_UNAVAILABLE {
             headers.insert(header::RETRY_AFTER, HeaderValue::from_static("1"));

@@ -1,6 +1,7 @@
 //! Requests as types: handlers never see raw text.
 
 use super::{
+    budget::{Budget, Client},
     error::ApiError,
     shelf::{Shelf, Shelved},
     state::App,
@@ -17,7 +18,7 @@ use axum::{
     http::{HeaderMap, StatusCode, header, request::Parts},
 };
 use serde::de::DeserializeOwned;
-use std::{collections::HashMap, marker::PhantomData, sync::Arc};
+use std::{collections::HashMap, convert::Infallible, marker::PhantomData, sync::Arc, time::Instant};
 
 /// Path parameters by name.
 pub(super) async fn path(parts: &mut Parts) -> Result<HashMap<String, String>, ApiError> {
@@ -197,6 +198,24 @@ pub(super) fn parse_bbox(text: &str) -> Result<[f64; 4], ApiError> {
     match numbers.as_deref() {
         Some(&[x0, y0, x1, y1]) if x0 <= x1 && y0 <= y1 => Ok([x0, y0, x1, y1]),
         _ => Err(ApiError::parameter("bbox", "must be minx,miny,maxx,maxy in metres within 2^40 of the origin, the least corner first")),
+    }
+}
+
+/// Who asks.
+pub(super) struct Asker(pub Client);
+
+impl Asker {
+    /// Lets it pay for predicted nanoseconds of evaluation.
+    pub(super) fn pay(&self, app: &App, cost_ns: f64) -> Result<(), ApiError> {
+        Ok(app.0.budgets.take(&self.0, Budget::Compute, cost_ns / 1e9, Instant::now())?)
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for Asker {
+    type Rejection = Infallible;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Infallible> {
+        Ok(Self(parts.extensions.get().cloned().unwrap_or(Client::Local)))
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod access;
 mod address;
+mod budget;
 mod compute;
 mod config;
 mod connections;

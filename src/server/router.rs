@@ -98,6 +98,10 @@ fn describe_keys(described: &mut utoipa::openapi::OpenApi) {
             operation.security = Some(vec![SecurityRequirement::default(), SecurityRequirement::new(NAME, [scope.name()])]);
             let responses = &mut operation.responses.responses;
             responses.insert("401".to_owned(), answer("A key is needed, or there is no such key").into());
+            responses.insert(
+                "429".to_owned(),
+                answer("The client has used up its requests or its seconds of evaluation; RateLimit says when there are some again").into(),
+            );
             responses.entry("403".to_owned()).or_insert_with(|| answer("The key's scope does not reach").into());
         }
     }

@@ -2,6 +2,7 @@
 
 use super::{
     access::Keys,
+    budget::Budgets,
     compute::Compute,
     config::{Config, Reads},
     editing::Editing,
@@ -40,6 +41,8 @@ pub(super) struct AppState {
     pub feature_bytes: usize,
     pub editing: Editing,
     pub keys: Keys,
+    pub budgets: Budgets,
+    pub proxies: usize,
     pub reads: Reads,
     /// Whether no other machine is meant to reach the server: then its own may write without a key.
     pub is_local: bool,
@@ -94,6 +97,8 @@ impl App {
             feature_bytes: config.limits.feature_bytes,
             editing: Editing::new(),
             keys: Keys::load(store.clone()).await.map_err(|error| load(error.into()))?,
+            budgets: Budgets::new(&config.limits),
+            proxies: config.server.proxies,
             reads: config.server.reads,
             is_local: config.server.listen.ip().is_loopback() && config.server.public_url.is_empty(),
             store,

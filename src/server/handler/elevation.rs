@@ -6,7 +6,7 @@ use crate::{
     server::{
         compute::WhileAsked,
         error::{ApiError, Entry},
-        extract::{Body, Known, WorldAt},
+        extract::{Asker, Body, Known, WorldAt},
         headers::{Freshness, json},
         schema::{BatchSchema, ElevationSchema, ElevationsSchema, ProblemDetails, ProfileSchema},
         state::App,
@@ -102,11 +102,21 @@ const MAX_POINTS: usize = 10_000;
 /// Predicted nanoseconds that points may take together.
 const MOST_NS: f64 = 1e10;
 
+/// Nanoseconds that a point costs its client: about what one of an eroded world takes alone.
+const POINT_NS: f64 = 20_000.0;
+
 /// Points of a profile without a wish.
 const USUAL_POINTS: usize = 256;
 
 /// Evaluates points apart from the threads that answer, for as long as somebody waits.
-async fn evaluate(app: &App, live: Arc<Live>, points: Vec<[f64; 2]>, spacing: Option<f64>) -> Result<Result<Vec<PointElevation>, BatchError>, ApiError> {
+async fn evaluate(
+    app: &App,
+    asker: &Asker,
+    live: Arc<Live>,
+    points: Vec<[f64; 2]>,
+    spacing: Option<f64>,
+) -> Result<Result<Vec<PointElevation>, BatchError>, ApiError> {
+    asker.pay(app, POINT_NS * points.len() as f64)?;
     let asked = WhileAsked::new();
     let stop = asked.stop();
     Ok(app.0.queries.run(move || query::elevations(&live.world, &points, spacing, MOST_NS, &stop)).await?)
@@ -128,7 +138,7 @@ fn on_plane([lon, lat]: [f64; 2]) -> Result<[f64; 2], String> {
     (status = 404, description = "No such world", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 413, description = "The body is too large", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
-pub(crate) async fn post_elevation(State(app): State<App>, WorldAt { live, .. }: WorldAt, Body(body): Body) -> Result<Response, ApiError> {
+pub(crate) async fn post_elevation(State(app): State<App>, WorldAt { live, .. }: WorldAt, asker: Asker, Body(body): Body) -> Result<Response, ApiError> {
     let wrong = |pointer: String, detail: String| ApiError::BadRequest("The points are wrong.".to_owned(), vec![Entry::pointer(pointer, detail)]);
     let mut reader = serde_json::Deserializer::from_slice(&body);
     let batch: BatchSchema = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
@@ -148,7 +158,7 @@ pub(crate) async fn post_elevation(State(app): State<App>, WorldAt { live, .. }:
     if points.len() > MAX_POINTS {
         return Err(wrong(format!("/{name}"), format!("must be at most {MAX_POINTS} points, got {}", points.len())));
     }
-    let ground = evaluate(&app, live, points, batch.spacing).await?.map_err(|error| match error {
+    let ground = evaluate(&app, &asker, live, points, batch.spacing).await?.map_err(|error| match error {
         BatchError::Point { error: error @ WindowError::Spacing(_), .. } => wrong("/spacing".to_owned(), error.to_string()),
         BatchError::Point { index, error } => wrong(format!("/{name}/{index}"), error.to_string()),
         error => wrong(format!("/{name}"), error.to_string()),
@@ -216,11 +226,12 @@ pub(crate) async fn get_profile(
     State(app): State<App>,
     WorldAt { live, pinned }: WorldAt,
     Known(query): Known<ProfileQuery>,
+    asker: Asker,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
     let ((name, corners), samples) = (query.corners()?, query.samples()?);
     let (points, distance) = query::along(&corners, samples);
-    let ground = evaluate(&app, live, points.clone(), query.spacing).await?.map_err(|error| match error {
+    let ground = evaluate(&app, &asker, live, points.clone(), query.spacing).await?.map_err(|error| match error {
         BatchError::Point { error: error @ WindowError::Spacing(_), .. } => ApiError::parameter("spacing", error.to_string()),
         BatchError::Point { error, .. } => ApiError::parameter(name, error.to_string()),
         error => ApiError::parameter(name, error.to_string()),

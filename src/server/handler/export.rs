@@ -6,7 +6,7 @@ use crate::{
         address::choice,
         error::ApiError,
         exports::Exports,
-        extract::{Known, WorldAt, parse_bbox},
+        extract::{Asker, Known, WorldAt, parse_bbox},
         headers::{Freshness, is_fresh, not_modified, tagged},
         schema::ProblemDetails,
         state::App,
@@ -84,6 +84,7 @@ pub(crate) async fn get_export(
     State(app): State<App>,
     WorldAt { live, pinned }: WorldAt,
     Known(query): Known<ExportQuery>,
+    asker: Asker,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
     let exports = &app.0.exports;
@@ -100,6 +101,7 @@ pub(crate) async fn get_export(
         let detail = format!("this would take about {seconds:.0} s of evaluation, and {most:.0} s are allowed: ask for a wider spacing or a smaller area");
         return Err(ApiError::parameter("spacing", detail));
     }
+    asker.pay(&app, cost_ns)?;
     let described = described(&live, &area);
     let export = exports.begin(live, area)?;
     let length = export.length().map(|length| [(header::CONTENT_LENGTH, HeaderValue::from(length))]);

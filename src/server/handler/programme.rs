@@ -3,7 +3,7 @@
 use super::document::{self, DeleteErrors, NameQuery, SaveErrors};
 use crate::server::{
     error::ApiError,
-    extract::{Body, Known, NameOf, Present, PublicUrl, WriteCondition},
+    extract::{Asker, Body, Known, NameOf, Present, PublicUrl, WriteCondition},
     headers::{Freshness, class, hashed, is_fresh, json, not_modified, tagged, timed},
     library::Shown,
     schema::{ProblemDetails, ProgrammeEntry, ProgrammeList, ProgrammeSchema},
@@ -174,6 +174,7 @@ pub(crate) async fn get_preview(
     State(app): State<App>,
     Present(shown): Present<Shown>,
     Known(query): Known<PreviewQuery>,
+    asker: Asker,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
     let pixels = query.pixels()?;
@@ -187,6 +188,7 @@ pub(crate) async fn get_preview(
         return Ok(answer(bytes));
     }
     let cost_ns = shown.preview_cost_ns(pixels);
+    asker.pay(&app, cost_ns)?;
     let order = Order { fingerprint, revision: shown.revision().clone(), class: class(&headers), cost_ns, kind: ["preview", "programme"] };
     let made = app.0.tiles.get(order, move |stop| shown.preview(pixels, stop)).await?;
     Ok(timed(answer(made.bytes), made.timing))

@@ -5,7 +5,7 @@ use crate::{
     server::{
         address::{TilePath, TilesetPath, packing, paged},
         error::ApiError,
-        extract::{Known, PublicUrl, WorldAt},
+        extract::{Asker, Known, PublicUrl, WorldAt},
         headers::{Freshness, class, is_fresh, json, not_modified, tagged, timed},
         schema::ProblemDetails,
         shelf::Shelved,
@@ -71,6 +71,7 @@ pub(crate) async fn get_tile(
     WorldAt { live, pinned }: WorldAt,
     TilePath { request, is_sidecar }: TilePath,
     uri: Uri,
+    asker: Asker,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
     let absent = |error: GridError| ApiError::absent("tile", error.to_string());
@@ -104,6 +105,7 @@ pub(crate) async fn get_tile(
         let detail = format!("samples {spacing} m apart would take this world about {seconds:.0} s a tile: ask for {instead} or a finer zoom");
         return Err(ApiError::parameter(if request.filter == Filter::Exact { "filter" } else { "tile" }, detail));
     }
+    asker.pay(&app, cost_ns)?;
     let kind = [request.tileset.name(), if live.world.document().layers.is_empty() { "programme" } else { "layout" }];
     let order = Order { fingerprint, revision: live.world.revision().clone(), class, cost_ns, kind };
     let draw = move |stop: &Stop| match request.tileset {
