@@ -24,14 +24,15 @@ format:
 	$(CARGO) fmt --check
 
 lint: viewer
-	$(CARGO) clippy --all-targets -- -D warnings
+	$(CARGO) clippy --all-targets --all-features -- -D warnings
+	$(CARGO) clippy --lib --bins -- -D warnings
 	$(CARGO) check --lib --no-default-features
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --lib
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --lib --all-features
 	$(NPM) --prefix web run --silent check
 
 # Unit, integration, contract and documentation tests.
 unit: viewer
-	$(CARGO) test
+	$(CARGO) test --all-features
 	$(NPM) --prefix web test --silent
 
 # The viewer in a real browser against the real program.

@@ -3,7 +3,9 @@
 mod command;
 
 use clap::{Parser, Subcommand};
-use command::{ExportArguments, KeyCommand, MergeArguments, RenderArguments, ServeArguments, check, export, key, merge, render, serve};
+use command::{
+    ExportArguments, HealthArguments, KeyCommand, MergeArguments, RenderArguments, ServeArguments, check, export, health, key, merge, render, serve,
+};
 use std::{
     io::{IsTerminal, Write},
     path::PathBuf,
@@ -24,6 +26,8 @@ struct Arguments {
 enum Command {
     /// Serve worlds over HTTP
     Serve(ServeArguments),
+    /// Ask the server of this machine whether it lives; fails if not
+    Health(HealthArguments),
     /// Check a world document and print it completed
     Check {
         /// The document; - for standard input
@@ -31,7 +35,7 @@ enum Command {
     },
     /// Evaluate a window of a world into a file
     Render(RenderArguments),
-    /// Make, show and take back the keys of a server; one that runs takes notice
+    /// Make, show and take back the keys of a server, which takes notice, and sign addresses with them
     #[command(subcommand)]
     Key(KeyCommand),
     /// Write a pyramid of tiles to an archive; the same command goes on after any end
@@ -52,6 +56,7 @@ fn main() -> ExitCode {
     let command = Arguments::parse().command;
     let done = Isa::from_environment().map_err(anyhow::Error::msg).and_then(|_| match command {
         Command::Serve(arguments) => serve(arguments).map(|()| ExitCode::SUCCESS),
+        Command::Health(arguments) => health(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Check { file } => check(&file).map(|()| ExitCode::SUCCESS),
         Command::Render(arguments) => render(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Export(arguments) => export(&arguments),

@@ -1,9 +1,14 @@
 //! Keys of a server, made and taken back beside it.
 
 use super::{config, runtime};
+use anyhow::Context;
 use clap::{Args, Subcommand};
-use std::{io::Write, path::PathBuf};
-use terrane::store::{KeyEntry, Scope, Store};
+use std::{
+    io::Write,
+    path::PathBuf,
+    time::{SystemTime, UNIX_EPOCH},
+};
+use terrane::store::{KeyEntry, Scope, Store, sign};
 
 #[derive(Subcommand)]
 pub(crate) enum KeyCommand {
@@ -19,6 +24,18 @@ pub(crate) enum KeyCommand {
     },
     /// Show all keys without their secrets
     List {
+        #[command(flatten)]
+        folder: Folder,
+    },
+    /// Print what an address is followed by to let a world be read without a key, where reads need one
+    Sign {
+        /// The id of the key in whose name, as `terrane key list` shows it
+        id: String,
+        /// What may be read: everything under /worlds/WORLD
+        world: String,
+        /// For how long from now
+        #[arg(long, default_value_t = 24)]
+        hours: u32,
         #[command(flatten)]
         folder: Folder,
     },
@@ -58,6 +75,12 @@ pub(crate) fn key(command: KeyCommand) -> anyhow::Result<()> {
                     writeln!(out, "{id}  {scope:<5}  {time}  {name}")?;
                 }
                 Ok(())
+            }
+            KeyCommand::Sign { id, world, hours, folder } => {
+                let keys = folder.open().await?.keys().await?;
+                let key = keys.iter().find(|key| key.id == id).with_context(|| format!("no key has the id {id:?}; `terrane key list` shows them"))?;
+                let expires = SystemTime::now().duration_since(UNIX_EPOCH)?.as_secs() + u64::from(hours) * 3600;
+                Ok(writeln!(out, "key={id}&expires={expires}&signature={}", sign(&key.hash, &world, expires))?)
             }
             KeyCommand::Revoke { id, folder } => Ok(folder.open().await?.revoke_key(&id).await?),
         }

@@ -2,6 +2,7 @@
 
 mod check;
 mod export;
+mod health;
 mod key;
 mod progress;
 mod render;
@@ -10,6 +11,7 @@ mod world;
 
 pub(crate) use check::check;
 pub(crate) use export::{ExportArguments, MergeArguments, export, merge};
+pub(crate) use health::{HealthArguments, health};
 pub(crate) use key::{KeyCommand, key};
 pub(crate) use render::{RenderArguments, render};
 pub(crate) use serve::{ServeArguments, serve};

@@ -4,6 +4,7 @@ use super::{
     budget::{Budget, Client},
     config::Reads,
     error::ApiError,
+    signed::Signed,
     state::App,
 };
 use crate::store::{Scope, Store, StoreError, hash_of};
@@ -65,24 +66,34 @@ impl Known {
 
 /// Lets a request through that may do what it asks for.
 pub(super) async fn guard(State(app): State<App>, mut request: Request, next: Next) -> Response {
-    let client = app.0.keys.known().await.map_err(ApiError::from).and_then(|known| admit(&app, &known, &request));
-    match client {
-        Ok(client) => {
-            request.extensions_mut().insert(client);
-            next.run(request).await
-        }
+    match admit(&app, &mut request).await {
+        Ok(()) => next.run(request).await,
         Err(error) => error.into_response(),
     }
 }
 
-/// Who asks, if it may ask for this now.
-fn admit(app: &App, known: &Known, request: &Request) -> Result<Client, ApiError> {
+/// Finds out who asks, and whether it may ask for this now.
+async fn admit(app: &App, request: &mut Request) -> Result<(), ApiError> {
+    let (known, signed) = (app.0.keys.known().await?, Signed::take(request)?);
+    let client = check(app, &known, request, signed.as_ref())?;
+    request.extensions_mut().insert(client);
+    if let Some(signed) = signed {
+        request.extensions_mut().insert(signed);
+    }
+    Ok(())
+}
+
+fn check(app: &App, known: &Known, request: &Request, signed: Option<&Signed>) -> Result<Client, ApiError> {
     let (path, headers) = (request.uri().path(), request.headers());
     let client = client(known, headers, request.extensions().get().copied(), app.0.proxies);
     if is_guarded(path) {
         app.0.budgets.take(&client, Budget::Requests, 1.0, Instant::now())?;
     }
-    check(app, request.method(), path, headers, known)?;
+    match (needed(request.method(), path, app.0.reads), signed) {
+        (None, _) => {}
+        (Some(Scope::Read), Some(signed)) if bearer(headers).is_none() => signed.check(path, known.scopes.keys())?,
+        (Some(needed), _) => may(app, needed, headers, known)?,
+    }
     Ok(client)
 }
 
@@ -104,17 +115,15 @@ fn client(known: &Known, headers: &HeaderMap, peer: Option<Peer>, proxies: usize
     address.or(peer.map(|Peer(address)| address)).map_or(Client::Local, Client::at)
 }
 
-fn check(app: &App, method: &Method, path: &str, headers: &HeaderMap, known: &Known) -> Result<(), ApiError> {
-    let state = &app.0;
-    let Some(needed) = needed(method, path, state.reads) else { return Ok(()) };
+fn may(app: &App, needed: Scope, headers: &HeaderMap, known: &Known) -> Result<(), ApiError> {
     if let Some(secret) = bearer(headers) {
         let scope = known.scopes.get(&hash_of(secret)).ok_or(ApiError::Unauthorized("There is no such key, or it was taken back."))?;
         return if *scope >= needed { Ok(()) } else { Err(ApiError::Scope(needed)) };
     }
     if needed != Scope::Write || !known.scopes.is_empty() {
-        return Err(ApiError::Unauthorized("This needs a key: Authorization: Bearer KEY."));
+        return Err(ApiError::Unauthorized("This needs a key (Authorization: Bearer KEY) or a signed address."));
     }
-    if !state.is_local || !is_local(headers) {
+    if !app.0.is_local || !is_local(headers) {
         return Err(ApiError::ReadOnly);
     }
     if is_cross_site(headers) { Err(ApiError::CrossSite) } else { Ok(()) }

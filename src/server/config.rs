@@ -60,6 +60,8 @@ pub enum Reads {
 pub struct CacheConfig {
     /// Bytes of encoded tiles.
     pub tile_bytes: u64,
+    /// Bytes of encoded tiles on disk, in the folder of the worlds, 134217728 … 2^48; 0 is none. Needs the feature `disk`.
+    pub disk_bytes: u64,
     /// Old revisions kept compiled, 1 … 100000.
     pub old_revisions: usize,
 }
@@ -110,7 +112,7 @@ impl Default for ServerConfig {
 
 impl Default for CacheConfig {
     fn default() -> Self {
-        Self { tile_bytes: 268_435_456, old_revisions: 256 }
+        Self { tile_bytes: 268_435_456, disk_bytes: 0, old_revisions: 256 }
     }
 }
 
@@ -196,6 +198,9 @@ impl Config {
         range("server.proxies", self.server.proxies as u64, 0, 16);
         range("limits.head_seconds", self.limits.head_seconds, 1, 3600);
         range("limits.stall_seconds", self.limits.stall_seconds, 1, 3600);
+        if self.cache.disk_bytes > 0 {
+            range("cache.disk_bytes", self.cache.disk_bytes, 134_217_728, 1 << 48);
+        }
         let url = &self.server.public_url;
         if !(url.is_empty() || url.parse::<axum::http::Uri>().is_ok_and(|uri| uri.host().is_some() && matches!(uri.scheme_str(), Some("http" | "https")))) {
             problems.push(format!("server.public_url: must be an http or https URL, got {url:?}"));

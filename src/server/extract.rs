@@ -4,6 +4,7 @@ use super::{
     budget::{Budget, Client},
     error::ApiError,
     shelf::{Shelf, Shelved},
+    signed::Signed,
     state::App,
     worlds::Live,
 };
@@ -233,5 +234,28 @@ impl FromRequestParts<App> for PublicUrl {
         // What is no authority would become part of URLs in documents that others read.
         let host = host.filter(|host| host.parse::<axum::http::uri::Authority>().is_ok());
         host.map(|host| Self(format!("http://{host}"))).ok_or_else(|| ApiError::BadRequest("The request needs a valid Host header.".to_owned(), Vec::new()))
+    }
+}
+
+/// Makes the addresses that answers hold; those of a signed address are signed as it is.
+pub(super) struct Links {
+    url: String,
+    signed: Option<Signed>,
+}
+
+impl Links {
+    /// The address of a path, which may have a query.
+    pub(super) fn to(&self, path: &str) -> String {
+        let signed = self.signed.as_ref().map(|signed| format!("{}{}", if path.contains('?') { '&' } else { '?' }, signed.text));
+        format!("{}{path}{}", self.url, signed.unwrap_or_default())
+    }
+}
+
+impl FromRequestParts<App> for Links {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, ApiError> {
+        let PublicUrl(url) = PublicUrl::from_request_parts(parts, app).await?;
+        Ok(Self { url, signed: parts.extensions.get().cloned() })
     }
 }

@@ -96,7 +96,11 @@ impl Metrics {
         registry.register("evaluations", "Tiles evaluated by tileset and source", metrics.evaluations.clone());
         registry.register("evaluation_seconds", "Time to evaluate and encode a tile by source", metrics.evaluation_seconds.clone());
         registry.register("queue_seconds", "Time that evaluated tiles waited for a thread by class", metrics.queue_seconds.clone());
-        registry.register("tile_lookups", "Tiles asked for that were in the cache (hit), under way (joined) or neither (miss)", metrics.lookups.clone());
+        registry.register(
+            "tile_lookups",
+            "Tiles asked for that were in memory (hit), on disk (disk), under way (joined) or none of these (miss)",
+            metrics.lookups.clone(),
+        );
         registry.register("refusals", "Requests refused because too much was under way, by reason", metrics.refusals.clone());
         registry.register("cancellations", "Tiles given up because nobody waited for them any more, by state", metrics.cancellations.clone());
         registry.register("panics", "Panics caught, by place", metrics.panics.clone());

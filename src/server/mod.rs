@@ -25,6 +25,7 @@ mod serve;
 mod sets;
 mod shelf;
 mod sidecar;
+mod signed;
 mod state;
 mod style;
 mod tilejson;

@@ -40,7 +40,12 @@ use utoipa_axum::{router::OpenApiRouter, routes};
 )]
 struct Api;
 
-fn documented() -> OpenApiRouter<App> {
+/// The calls whose questions may be too long for an address, so that pages of other sites may post them too.
+fn questions() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(elevation::get_elevation, elevation::post_elevation))
+}
+
+fn others() -> OpenApiRouter<App> {
     OpenApiRouter::with_openapi(Api::openapi())
         .routes(routes!(viewer::get_viewer))
         .routes(routes!(description::get_openapi))
@@ -61,7 +66,6 @@ fn documented() -> OpenApiRouter<App> {
         .routes(routes!(programme::get_tree))
         .routes(routes!(programme::get_preview))
         .routes(routes!(tile::get_style))
-        .routes(routes!(elevation::get_elevation, elevation::post_elevation))
         .routes(routes!(elevation::get_profile))
         .routes(routes!(export::get_export))
         .routes(routes!(shader::get_glsl))
@@ -74,7 +78,7 @@ fn documented() -> OpenApiRouter<App> {
 /// The `OpenAPI` 3.1 description of the interface.
 #[must_use]
 pub fn openapi() -> utoipa::openapi::OpenApi {
-    let mut described = documented().split_for_parts().1;
+    let mut described = others().merge(questions()).split_for_parts().1;
     describe_keys(&mut described);
     described
 }
@@ -107,24 +111,27 @@ fn describe_keys(described: &mut utoipa::openapi::OpenApi) {
     }
 }
 
+/// Lets pages of every site use methods.
+fn cors(methods: &[Method]) -> CorsLayer {
+    let exposed = [header::CONTENT_DISPOSITION, header::ETAG, header::LOCATION, header::RETRY_AFTER];
+    let own = ["server-timing", "x-request-id", "ratelimit", "ratelimit-policy"].map(HeaderName::from_static);
+    CorsLayer::new()
+        .allow_origin(AnyOrigin)
+        .allow_methods(methods.to_vec())
+        .allow_headers(AllowHeaders::mirror_request())
+        .expose_headers(exposed.into_iter().chain(own).collect::<Vec<_>>())
+}
+
 /// The whole service.
 pub fn router(app: App) -> Router {
-    let (router, _) = documented().split_for_parts();
-    let cors =
-        CorsLayer::new().allow_origin(AnyOrigin).allow_methods([Method::GET, Method::HEAD]).allow_headers(AllowHeaders::mirror_request()).expose_headers([
-            header::CONTENT_DISPOSITION,
-            header::ETAG,
-            header::LOCATION,
-            header::RETRY_AFTER,
-            HeaderName::from_static("server-timing"),
-            HeaderName::from_static("x-request-id"),
-        ]);
-    router
-        .fallback(viewer::get_file)
-        .method_not_allowed_fallback(async || ApiError::MethodNotAllowed)
-        .layer(DefaultBodyLimit::max(app.0.world_bytes))
-        .layer(middleware::from_fn_with_state(app.clone(), guard))
-        .layer(cors)
-        .layer(middleware::from_fn_with_state(app.clone(), observe))
-        .with_state(app)
+    let read = [Method::GET, Method::HEAD];
+    let guarded = |router: OpenApiRouter<App>, methods: &[Method]| {
+        Router::from(router)
+            .method_not_allowed_fallback(async || ApiError::MethodNotAllowed)
+            .layer(DefaultBodyLimit::max(app.0.world_bytes))
+            .layer(middleware::from_fn_with_state(app.clone(), guard))
+            .layer(cors(methods))
+    };
+    let asked = guarded(questions(), &[read.as_slice(), &[Method::POST]].concat());
+    guarded(others().fallback(viewer::get_file), &read).merge(asked).layer(middleware::from_fn_with_state(app.clone(), observe)).with_state(app)
 }

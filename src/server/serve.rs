@@ -27,12 +27,14 @@ pub async fn serve(config: &Config) -> Result<(), StartError> {
         tracing::info!("other machines reach this address: {reads} a key (terrane key new)");
     }
 
+    tell("READY=1");
     let (stops, mut stopped) = watch::channel(false);
     let stopping = app.clone();
     tokio::spawn(async move {
         stop_signal().await;
         stopping.drain();
         tracing::info!("stopping: finishing requests under way");
+        tell("STOPPING=1");
         // Those who listen may have ended.
         let _ = stops.send(true);
     });
@@ -60,6 +62,17 @@ pub async fn serve(config: &Config) -> Result<(), StartError> {
     tracing::info!("stopped");
     Ok(())
 }
+
+/// Tells the service manager that started the server how it is, if one did and asks for that (`sd_notify`, `Type=notify`).
+#[cfg(unix)]
+fn tell(state: &str) {
+    if let Err(error) = sd_notify::notify(&[sd_notify::NotifyState::Custom(state)]) {
+        tracing::warn!(%error, "the service manager could not be told {state}");
+    }
+}
+
+#[cfg(not(unix))]
+fn tell(_: &str) {}
 
 /// What connections are held to. Every connection needs an open file.
 fn limits(config: &Config) -> Limits {

@@ -11,7 +11,7 @@ use super::{
     metrics::Metrics,
     sets::StoredSets,
     shelf::{LoadError, Shelf},
-    tiles::Tiles,
+    tiles::{DiskError, Tiles},
     worlds::Worlds,
 };
 use crate::store::Store;
@@ -56,6 +56,9 @@ pub enum StartError {
     /// The worlds or the programmes cannot be loaded.
     #[error("loading worlds and programmes: {0}")]
     Load(#[source] Box<dyn std::error::Error + Send + Sync>),
+    /// The disk cannot hold tiles.
+    #[error(transparent)]
+    Disk(#[from] DiskError),
     /// The compute threads cannot be started.
     #[error("starting threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -85,10 +88,14 @@ impl App {
         let sets = Arc::new(StoredSets::new(store.clone()));
         let worlds = Worlds::load(store.clone(), Arc::clone(&queries), Arc::clone(&sets), old_revisions).await.map_err(load)?;
         let library = library::load(store.clone(), Arc::clone(&queries), sets).await.map_err(load)?;
+        let mut tiles = Tiles::new(compute, Arc::clone(&metrics), config.cache.tile_bytes, config.limits.queue_ms);
+        if config.cache.disk_bytes > 0 {
+            tiles.keep_on_disk(&config.server.data.join("tile-cache"), config.cache.disk_bytes).await?;
+        }
         Ok(Self(Arc::new(AppState {
             worlds,
             library,
-            tiles: Tiles::new(compute, Arc::clone(&metrics), config.cache.tile_bytes, config.limits.queue_ms),
+            tiles,
             metrics,
             exports,
             queries,
@@ -127,8 +134,9 @@ impl App {
         self.0.draining.load(Ordering::Relaxed)
     }
 
-    /// Closes the store.
+    /// Closes the store and the disk cache.
     pub async fn close(&self) {
+        self.0.tiles.close().await;
         self.0.store.close().await;
     }
 }

@@ -1,6 +1,7 @@
 //! Keys: who may read and write. Only their hashes are kept.
 
 use super::{Store, StoreError};
+use hmac::{Hmac, KeyInit, Mac};
 use sha2::{Digest, Sha256};
 use sqlx::Row;
 use std::{fmt, str::FromStr};
@@ -69,6 +70,27 @@ pub struct KeyEntry {
 #[must_use]
 pub fn hash_of(secret: &str) -> String {
     Sha256::digest(secret).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// What a signature is taken of: the world's name and the seconds since 1970-01-01 UTC until which it holds.
+fn signed(hash: &str, world: &str, expires: u64) -> Hmac<Sha256> {
+    let mac = Hmac::<Sha256>::new_from_slice(hash.as_bytes());
+    mac.expect("keys of every length do").chain_update(format!("{world}\n{expires}"))
+}
+
+/// The signature, in hex digits, with which everything under a world can be read without a key until a time: HMAC-SHA256 (RFC 2104) of `"{world}\n{expires}"`,
+/// its key the hash of a key's secret as hex digits.
+#[must_use]
+pub fn sign(hash: &str, world: &str, expires: u64) -> String {
+    signed(hash, world, expires).finalize().into_bytes().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Whether a text is that signature; how long that takes does not tell where it differs.
+#[must_use]
+pub fn is_signature(hash: &str, world: &str, expires: u64, text: &str) -> bool {
+    let digits: Option<Vec<u32>> = text.chars().map(|digit| digit.to_digit(16)).collect();
+    let bytes: Vec<u8> = digits.unwrap_or_default().chunks(2).map(|pair| pair.iter().fold(0, |byte, digit| byte << 4 | *digit as u8)).collect();
+    text.len() == 64 && signed(hash, world, expires).verify_slice(&bytes).is_ok()
 }
 
 impl Store {

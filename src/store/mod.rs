@@ -10,6 +10,6 @@ mod sqlite;
 
 pub use content::{Content, Kind};
 pub use error::StoreError;
-pub use keys::{KeyEntry, Scope, hash_of};
+pub use keys::{KeyEntry, Scope, hash_of, is_signature, sign};
 pub use mbtiles::MbTiles;
 pub use sqlite::{Condition, RevisionEntry, Saved, Store, StoredDocument};

@@ -15,6 +15,12 @@ impl fmt::Display for Fingerprint {
     }
 }
 
+impl From<Fingerprint> for u128 {
+    fn from(fingerprint: Fingerprint) -> Self {
+        Self::from_le_bytes(fingerprint.0)
+    }
+}
+
 /// The hash of what is the same for all tiles of a world.
 #[derive(Clone, Debug)]
 pub(super) struct Prefix(Sha256);

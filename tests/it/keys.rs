@@ -82,3 +82,37 @@ fn reads_can_need_a_key_too() {
     let wrong = run(&["key", "new", "x", "--scope", "all", "--data", data.to_str().unwrap()], Path::new("/"));
     assert!(text(&wrong.stderr).contains("must be read, write or admin, got \"all\""), "{}", text(&wrong.stderr));
 }
+
+#[test]
+fn a_signed_address_reads_one_world_without_a_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    key(&data, &["new", "a map", "--scope", "read"]);
+    let id = key(&data, &["list"]).split_whitespace().next().unwrap().to_owned();
+    let server = Server::start_with(&data, &[("TERRANE_SERVER__READS", "keys")]);
+    let signed = key(&data, &["sign", &id, "alps"]);
+    let style = text(&server.get(&format!("/worlds/alps/style.json?heights=fit&{signed}")));
+    let style: Value = serde_json::from_str(&style).unwrap();
+    let template = style["sources"]["terrain"]["tiles"][0].as_str().unwrap().to_owned();
+    assert!(template.ends_with(&format!(".png?{signed}")), "{template}");
+    let tile = template.replace("{z}/{x}/{y}", "9/256/255");
+    let (_, path) = tile.split_once(&server.address).unwrap();
+    assert_eq!(ask(&server, "GET", path, None), "200");
+    let layer = text(&server.get(&format!("/worlds/alps/web/quantized-mesh/layer.json?surface=water&{signed}")));
+    assert!(layer.contains(&format!(".terrain?surface=water&{signed}")), "{layer}");
+    for (method, path, expected) in [
+        ("GET", "/worlds/hills/style.json", "401 unauthorized"),
+        ("GET", "/catalog", "401 unauthorized"),
+        ("PUT", "/worlds/alps", "401 unauthorized"),
+        ("GET", "/worlds/alps", "200"),
+    ] {
+        assert_eq!(ask(&server, method, &format!("{path}?{signed}"), None), expected, "{method} {path}");
+    }
+    let other = signed.replace("signature=", "signature=0");
+    assert_eq!(ask(&server, "GET", &format!("/worlds/alps?{other}"), None), "401 unauthorized");
+    let over = key(&data, &["sign", &id, "alps", "--hours", "0"]);
+    let (_, body) = server.request("GET", &format!("/worlds/alps?{over}"), "").unwrap();
+    assert!(text(&body).contains("The time for which the address was signed is over."), "{}", text(&body));
+    key(&data, &["revoke", &id]);
+    wait_for(|| ask(&server, "GET", &format!("/worlds/alps?{signed}"), None) == "401 unauthorized");
+}

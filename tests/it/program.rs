@@ -163,3 +163,46 @@ fn wrong_configuration_is_named_in_full() {
         "error: configuration:\n  server.threads: must be 0 … 1024, got 5000\n  limits.world_bytes: must be 1 … 16777216, got 0\n"
     );
 }
+
+/// The service manager is a socket that the test holds.
+#[cfg(unix)]
+#[test]
+fn a_service_manager_is_told_and_health_is_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("notify");
+    let manager = std::os::unix::net::UnixDatagram::bind(&path).unwrap();
+    manager.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
+    let told = || {
+        let mut buffer = [0; 100];
+        let length = manager.recv(&mut buffer).unwrap();
+        text(&buffer[..length])
+    };
+    let server = Server::start_with(&folder.path().join("data"), &[("NOTIFY_SOCKET", path.to_str().unwrap())]);
+    assert_eq!(told(), "READY=1\n");
+    let address = server.address.clone();
+    let health = || run(&["health", "--listen", &address], folder.path());
+    let answer = health();
+    assert!(answer.status.success(), "{}", text(&answer.stderr));
+    let (code, log) = server.stop();
+    assert_eq!((code, told().as_str()), (Some(0), "STOPPING=1\n"), "{log:?}");
+    let answer = health();
+    assert!(!answer.status.success() && text(&answer.stderr).starts_with(&format!("error: asking http://{address}/healthz: ")), "{}", text(&answer.stderr));
+}
+
+#[cfg(all(unix, feature = "disk"))]
+#[test]
+fn tiles_on_disk_outlive_the_server() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    let start = || Server::start_with(&data, &[("TERRANE_CACHE__DISK_BYTES", "134217728")]);
+    let tile = "/worlds/alps/web/terrarium/9/256/255.png";
+    let count = |server: &Server, metric: &str| text(&server.get("/metrics")).lines().any(|line| line == metric);
+    let server = start();
+    let made = server.get(tile);
+    assert!(count(&server, "terrane_tile_lookups_total{result=\"miss\"} 1"));
+    assert_eq!(server.stop().0, Some(0));
+    let server = start();
+    assert!(server.get(tile) == made && server.get(tile) == made, "other bytes");
+    assert!(count(&server, "terrane_tile_lookups_total{result=\"disk\"} 1") && count(&server, "terrane_tile_lookups_total{result=\"hit\"} 1"));
+    assert_eq!(server.stop().0, Some(0));
+}

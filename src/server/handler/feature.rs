@@ -5,7 +5,7 @@ use crate::{
     layout::geojson::{Drawn, Sets, name_of_feature},
     server::{
         error::ApiError,
-        extract::{FeatureAt, Known, PublicUrl, WorldAt, parse_bbox},
+        extract::{FeatureAt, Known, Links, WorldAt, parse_bbox},
         features::Place,
         headers::{Freshness, is_fresh, not_modified, tagged},
         schema::{FeatureCollectionSchema, FeatureSchema, ProblemDetails},
@@ -82,7 +82,7 @@ pub(crate) async fn list_features(
     State(app): State<App>,
     WorldAt { live, pinned }: WorldAt,
     Known(query): Known<FeaturesQuery>,
-    PublicUrl(url): PublicUrl,
+    links: Links,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
     let (area, limit, offset) = (query.area()?, query.limit.unwrap_or(USUAL), query.offset.unwrap_or(0));
@@ -95,12 +95,13 @@ pub(crate) async fn list_features(
         return Ok(not_modified(&revision, freshness));
     }
     let name = if pinned { format!("{}@{revision}", live.name) } else { live.name.clone() };
-    let base = format!("{url}/worlds/{name}/features");
-    let body = app.0.queries.run(move || page(&Place::of(&live), area, [limit, offset], &base, query.bbox.as_deref())).await??;
+    let bbox = query.bbox.map_or_else(String::new, |bbox| format!("&bbox={bbox}"));
+    let href = move |offset: usize| links.to(&format!("/worlds/{name}/features?limit={limit}&offset={offset}{bbox}"));
+    let body = app.0.queries.run(move || page(&Place::of(&live), area, [limit, offset], &href)).await??;
     Ok(tagged(([(header::CONTENT_TYPE, GEOJSON)], body), &revision, freshness))
 }
 
-fn page(place: &Place, area: Option<Rectangle>, [limit, offset]: [usize; 2], base: &str, bbox: Option<&str>) -> Result<Vec<u8>, ApiError> {
+fn page(place: &Place, area: Option<Rectangle>, [limit, offset]: [usize; 2], href: &dyn Fn(usize) -> String) -> Result<Vec<u8>, ApiError> {
     let collection = place.set.collection();
     let found = area.map(|area| place.set.find(&area));
     let matched = found.as_ref().map_or(collection.features.len(), Vec::len);
@@ -112,8 +113,7 @@ fn page(place: &Place, area: Option<Rectangle>, [limit, offset]: [usize; 2], bas
     let names: BTreeSet<&str> = features.iter().flat_map(|drawn| drawn.sets()).collect();
     let mut attributes = place.scope();
     attributes.retain(|name| names.contains(name));
-    let bbox = bbox.map_or_else(String::new, |bbox| format!("&bbox={bbox}"));
-    let link = |rel, offset: usize| Link { rel, kind: GEOJSON, href: format!("{base}?limit={limit}&offset={offset}{bbox}") };
+    let link = |rel, offset: usize| Link { rel, kind: GEOJSON, href: href(offset) };
     let returned = features.len();
     let mut links = vec![link("self", offset)];
     if offset.saturating_add(returned) < matched && returned > 0 {

@@ -5,7 +5,7 @@ use crate::{
     server::{
         address::GlobePath,
         error::ApiError,
-        extract::{Known, PublicUrl, WorldAt},
+        extract::{Known, Links, WorldAt},
         headers::{Freshness, json},
         schema::ProblemDetails,
         shelf::Shelved,
@@ -85,7 +85,7 @@ pub(crate) async fn get_layer(
     WorldAt { live, .. }: WorldAt,
     GlobePath(grid): GlobePath,
     Known(query): Known<LayerQuery>,
-    PublicUrl(url): PublicUrl,
+    links: Links,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
     let (surface, height) = match query.surface.as_deref() {
@@ -94,7 +94,7 @@ pub(crate) async fn get_layer(
         Some(other) => return Err(ApiError::parameter("surface", format!("must be ground or water, got {other:?}"))),
     };
     let (document, is_geo) = (live.world.document(), grid == Grid::Geo);
-    let template = super::tile::template(&url, &live, grid.name(), (Tileset::QuantizedMesh, Image::Png), query.live.is_some());
+    let template = super::tile::template(&live, grid.name(), (Tileset::QuantizedMesh, Image::Png), query.live.is_some());
     let all = |z| grid.size(z).map(|size| size - 1);
     let available = (0..=MAX_MESH_ZOOM).map(|z| [TileRange { start_x: 0, start_y: 0, end_x: all(z)[0], end_y: all(z)[1] }]).collect();
     let north = if is_geo { 90.0 } else { MAX_LATITUDE };
@@ -107,7 +107,7 @@ pub(crate) async fn get_layer(
         format: "quantized-mesh-1.0",
         scheme: "tms",
         projection: if is_geo { "EPSG:4326" } else { "EPSG:3857" },
-        tiles: [template + surface],
+        tiles: [links.to(&(template + surface))],
         extensions: MeshExtensions::NAMES,
         minzoom: 0,
         maxzoom: MAX_MESH_ZOOM,

@@ -184,7 +184,7 @@ pub(crate) async fn get_preview(
         return Ok(not_modified(&tag, Freshness::Revalidate));
     }
     let answer = |bytes| tagged(([(header::CONTENT_TYPE, "image/png")], bytes), &tag, Freshness::Revalidate);
-    if let Some(bytes) = app.0.tiles.cached(&fingerprint) {
+    if let Some(bytes) = app.0.tiles.cached(&fingerprint).await {
         return Ok(answer(bytes));
     }
     let cost_ns = shown.preview_cost_ns(pixels);

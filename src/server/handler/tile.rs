@@ -5,7 +5,7 @@ use crate::{
     server::{
         address::{TilePath, TilesetPath, packing, paged},
         error::ApiError,
-        extract::{Asker, Known, PublicUrl, WorldAt},
+        extract::{Asker, Known, Links, WorldAt},
         headers::{Freshness, class, is_fresh, json, not_modified, tagged, timed},
         schema::ProblemDetails,
         shelf::Shelved,
@@ -90,7 +90,7 @@ pub(crate) async fn get_tile(
     }
     let answer = move |bytes| tagged((described(&request), bytes), &tag, freshness);
     // What is at hand must not even be predicted.
-    if let Some(bytes) = app.0.tiles.cached(&fingerprint) {
+    if let Some(bytes) = app.0.tiles.cached(&fingerprint).await {
         return Ok(answer(bytes));
     }
     let class = class(&headers);
@@ -148,13 +148,13 @@ pub(crate) async fn get_tilejson(
     WorldAt { live, .. }: WorldAt,
     TilesetPath { grid, tileset }: TilesetPath,
     Known(query): Known<TilesetQuery>,
-    PublicUrl(url): PublicUrl,
+    links: Links,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
     let tileset = paged(tileset, query.page.as_deref())?;
     let (document, is_weights) = (live.world.document(), matches!(tileset, Tileset::Weights(_)));
     let image = packing(tileset, query.format.as_deref())?;
-    let template = template(&url, &live, grid.name(), (tileset, image), query.live.is_some());
+    let template = template(&live, grid.name(), (tileset, image), query.live.is_some());
     let (range, steps) = (live.world.legend().range, tileset.steps(live.world.legend().range));
     let factors = (tileset == Tileset::Fit).then(|| steps.map(|steps| Factors::of(&steps))).flatten();
     let body = TileJson {
@@ -163,7 +163,7 @@ pub(crate) async fn get_tilejson(
         description: document.description.clone(),
         attribution: document.attribution.clone(),
         scheme: if tileset == Tileset::QuantizedMesh { "tms" } else { "xyz" },
-        tiles: [template],
+        tiles: [links.to(&template)],
         minzoom: 0,
         maxzoom: MAX_ANNOUNCED_ZOOM,
         center: center(&live, grid),
@@ -209,12 +209,12 @@ fn has_pixels(tileset: Tileset) -> bool {
     tileset.is_picture() || tileset.is_raw()
 }
 
-/// The template of a tileset's addresses, its pictures packed in a way.
-pub(super) fn template(url: &str, live: &Live, grid: &str, (tileset, image): (Tileset, tile::Image), plain: bool) -> String {
+/// The template of the paths of a tileset's tiles, its pictures packed in a way.
+pub(super) fn template(live: &Live, grid: &str, (tileset, image): (Tileset, tile::Image), plain: bool) -> String {
     let revision = if plain { String::new() } else { format!("@{}", live.world.revision()) };
     let samples = if has_pixels(tileset) { "@2x" } else { "" };
     let page = if let Tileset::Weights(page @ 1..) = tileset { format!("?page={page}") } else { String::new() };
-    format!("{url}/worlds/{}{revision}/{grid}/{}/{{z}}/{{x}}/{{y}}{samples}.{}{page}", live.name, tileset.name(), tileset.extension(image))
+    format!("/worlds/{}{revision}/{grid}/{}/{{z}}/{{x}}/{{y}}{samples}.{}{page}", live.name, tileset.name(), tileset.extension(image))
 }
 
 /// The middle and zoom (of 512-pixel tiles) of a view with relief: longitude and latitude on `web` and `geo`, metres on `metric`.
@@ -267,15 +267,10 @@ impl StyleQuery {
     (status = 400, description = "The query is wrong", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 404, description = "No such world", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
-pub(crate) async fn get_style(
-    WorldAt { live, .. }: WorldAt,
-    Known(query): Known<StyleQuery>,
-    PublicUrl(url): PublicUrl,
-    headers: HeaderMap,
-) -> Result<Response, ApiError> {
+pub(crate) async fn get_style(WorldAt { live, .. }: WorldAt, Known(query): Known<StyleQuery>, links: Links, headers: HeaderMap) -> Result<Response, ApiError> {
     let heights = query.heights()?;
     let image = packing(heights, query.format.as_deref())?;
-    let tiles = |tileset| template(&url, &live, Grid::Web.name(), (tileset, image), query.live.is_some());
+    let tiles = |tileset| links.to(&template(&live, Grid::Web.name(), (tileset, image), query.live.is_some()));
     let style = style::style(&live, heights, tiles, MAX_ANNOUNCED_ZOOM, center(&live, Grid::Web));
     json(&headers, &style, Freshness::Revalidate)
 }

@@ -1,5 +1,6 @@
 //! Tiles from memory or from the compute pool: identical concurrent requests evaluate once, urgent ones first, and what nobody waits for any more is given up.
 
+mod disk;
 mod failures;
 mod queue;
 #[cfg(test)]
@@ -16,6 +17,8 @@ use crate::{
     world::{Fingerprint, Revision},
 };
 use axum::body::Bytes;
+use disk::Disk;
+pub(super) use disk::DiskError;
 use failures::Failures;
 pub(super) use queue::Class;
 use quick_cache::{
@@ -23,6 +26,7 @@ use quick_cache::{
     sync::{Cache, DefaultLifecycle},
 };
 use std::{
+    path::Path,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
     time::{Duration, Instant},
 };
@@ -98,6 +102,7 @@ pub(super) struct Tiles {
 
 struct Shared {
     cache: Cache<Fingerprint, Bytes, ByBytes>,
+    disk: Option<Disk>,
     underway: Mutex<Underway>,
     failures: Failures,
     metrics: Arc<Metrics>,
@@ -134,6 +139,9 @@ impl Shared {
         if let Ok(made) = &outcome {
             self.metrics.evaluated(&order, queued, evaluated);
             self.cache.insert(fingerprint, made.bytes.clone());
+            if let Some(disk) = &self.disk {
+                disk.put(&fingerprint, made.bytes.clone());
+            }
         }
         let measured_ns = outcome.is_ok().then_some(evaluated.as_nanos() as f64);
         self.underway().finish(&fingerprint, number, (order.cost_ns, measured_ns), &outcome);
@@ -177,17 +185,35 @@ impl Tiles {
             .expect("both capacities are given");
         let cache = Cache::with_options(options, ByBytes, DefaultHashBuilder::default(), DefaultLifecycle::default());
         let underway = Mutex::new(Underway::new(compute.threads()));
-        let shared = Shared { cache, underway, failures: Failures::new(), metrics, patience: Duration::from_millis(queue_ms) };
+        let shared = Shared { cache, disk: None, underway, failures: Failures::new(), metrics, patience: Duration::from_millis(queue_ms) };
         Self { shared: Arc::new(shared), compute }
     }
 
-    /// The tile of a fingerprint, if it is at hand.
-    pub(super) fn cached(&self, fingerprint: &Fingerprint) -> Option<Bytes> {
-        let cached = self.shared.cache.get(fingerprint);
-        if cached.is_some() {
-            self.shared.metrics.looked_up("hit");
+    /// Lets tiles be kept on disk, too, in a folder of its own; where that is full, they are not.
+    pub(super) async fn keep_on_disk(&mut self, folder: &Path, bytes: u64) -> Result<(), DiskError> {
+        let shared = Arc::get_mut(&mut self.shared).expect("nothing is made yet");
+        shared.disk = Some(Disk::open(folder, bytes).await?);
+        Ok(())
+    }
+
+    /// The tile of a fingerprint, if it is at hand: in memory or on disk.
+    pub(super) async fn cached(&self, fingerprint: &Fingerprint) -> Option<Bytes> {
+        let Shared { cache, disk, metrics, .. } = &*self.shared;
+        if let Some(tile) = cache.get(fingerprint) {
+            metrics.looked_up("hit");
+            return Some(tile);
         }
-        cached
+        let tile = disk.as_ref()?.get(fingerprint).await?;
+        metrics.looked_up("disk");
+        cache.insert(*fingerprint, tile.clone());
+        Some(tile)
+    }
+
+    /// Finishes what is being written.
+    pub(super) async fn close(&self) {
+        if let Some(disk) = &self.shared.disk {
+            disk.close().await;
+        }
     }
 
     /// Whether a tile that is not at hand would be refused: what is asked before anything is predicted of it, as it has to cost next to nothing.

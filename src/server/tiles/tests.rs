@@ -54,7 +54,7 @@ async fn identical_concurrent_requests_evaluate_once() {
     let (first, others, ()) = tokio::join!(first, futures_util::future::join_all(others), async { open.send(()).expect("somebody waits") });
     assert!(others.iter().all(|other| *other == first) && first.is_ok());
     assert_eq!(tiles.shared.metrics.evaluations(), 1);
-    assert_eq!(tiles.cached(&order(1).fingerprint).expect("cached").len(), 100);
+    assert_eq!(tiles.cached(&order(1).fingerprint).await.expect("cached").len(), 100);
 }
 
 /// One leaves a tile that is being evaluated, one a tile that still waits for its turn; others want both.
@@ -136,7 +136,7 @@ async fn what_is_visible_comes_before_what_may_be() {
 async fn the_largest_tile_is_cached_on_a_machine_with_many_cores() {
     let tiles = Tiles::new(Compute::new("test", 1).expect("threads"), Arc::new(Metrics::new()), 1 << 28, 1);
     tiles.get(order(9), |_| Ok(vec![0; 1025 * 1025 * 4])).await.expect("made");
-    assert!(tiles.cached(&order(9).fingerprint).is_some());
+    assert!(tiles.cached(&order(9).fingerprint).await.is_some());
 }
 
 #[tokio::test]
@@ -196,4 +196,50 @@ fn the_newest_comes_first_when_the_oldest_is_late() {
     let queue::Taken { next, expired } = queue.take(at(12), patience);
     assert_eq!((next, expired), (Some(fingerprint(3)), vec![fingerprint(2)]));
     assert_eq!((queue.waiting(Class::Visible), queue.ahead_ns(Class::Prefetch)), (ALWAYS - 1, (ALWAYS - 1) as f64));
+}
+
+/// Tiles over a disk cache in a folder.
+#[cfg(feature = "disk")]
+async fn over(folder: &std::path::Path, bytes: u64) -> Tiles {
+    let mut tiles = tiles(1, PATIENT);
+    tiles.keep_on_disk(folder, bytes).await.expect("a folder");
+    tiles
+}
+
+#[cfg(feature = "disk")]
+#[tokio::test]
+async fn tiles_on_disk_outlive_the_process_and_are_whole_or_not_there() {
+    let (folder, bytes) = (tempfile::tempdir().expect("a folder"), 1 << 27);
+    let content = |n: i64| (0..50_000).map(|i| ((i * (2 * n + 1)) >> 3) as u8).collect::<Vec<_>>();
+    let first = over(folder.path(), bytes).await;
+    for n in 0..20 {
+        first.get(order(n), move |_| Ok(content(n))).await.expect("made");
+    }
+    first.close().await;
+    let second = over(folder.path(), bytes).await;
+    for n in 0..20 {
+        assert_eq!(second.cached(&order(n).fingerprint).await.as_deref(), Some(&content(n)[..]), "{n}");
+    }
+    assert!(second.cached(&order(20).fingerprint).await.is_none());
+    second.close().await;
+    // Every page of some files is damaged.
+    let mut damaged = 0;
+    for entry in std::fs::read_dir(folder.path().join(bytes.to_string())).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let mut file = std::fs::read(&path).expect("a file");
+        for page in file.chunks_mut(4096).filter(|page| page.iter().any(|byte| *byte != 0)) {
+            page[2000] ^= 1;
+            damaged += 1;
+        }
+        std::fs::write(&path, &file).expect("written");
+    }
+    let third = over(folder.path(), bytes).await;
+    for n in 0..20 {
+        assert!(third.cached(&order(n).fingerprint).await.is_none_or(|tile| tile == content(n)), "{n}");
+    }
+    third.close().await;
+    assert!(damaged > 20 * 50_000 / 4096, "{damaged}");
+    let fourth = over(folder.path(), 2 * bytes).await;
+    assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1, "one of another size is thrown away");
+    assert!(fourth.cached(&order(0).fingerprint).await.is_none());
 }
