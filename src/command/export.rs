@@ -16,7 +16,7 @@ use std::{
 use terrane::{
     geometry::{Grid, Rectangle, Samples, Tile},
     jobs::{Archive, Outcome, Part, Pyramid, Shard, merge as join, run},
-    tile::{Image, Options, TileRequest, Tileset},
+    tile::{Image, Options, Rounding, TileRequest, Tileset},
 };
 
 /// What a program that was interrupted ends with.
@@ -44,6 +44,9 @@ pub(crate) struct ExportArguments {
     /// Pack pictures as lossless WebP instead of PNG
     #[arg(long)]
     webp: bool,
+    /// Round heights to what the spacing of samples justifies, for fewer bytes
+    #[arg(long)]
+    rounded: bool,
     /// Which height is drawn
     #[arg(long, value_enum, default_value_t = Drawn::Ground)]
     surface: Drawn,
@@ -105,6 +108,10 @@ impl ExportArguments {
         if self.surface == Drawn::Water && !self.tileset.has_height() {
             bail!("--surface water is for heights: {} draws none", self.tileset.name());
         }
+        if self.rounded && !self.tileset.has_rounding() {
+            bail!("{} is not rounded: leave --rounded out", self.tileset.name());
+        }
+        let rounding = if self.rounded { Rounding::Spacing } else { Rounding::Steps };
         let request = TileRequest {
             grid: self.grid,
             tile: Tile { z: 0, x: 0, y: 0 },
@@ -112,7 +119,7 @@ impl ExportArguments {
             filter: self.filter.filter(),
             tileset: self.tileset,
             height: self.surface.height(),
-            options: Options { image, ..Options::default() },
+            options: Options { image, rounding, ..Options::default() },
         };
         let area = self.bbox.map(|[west, south, east, north]| Rectangle { min: [west, south], max: [east, north] });
         Ok(Pyramid::new(request, area, self.zoom)?)

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     geometry::{Filter, Grid, MAX_SIDE, MAX_ZOOM, Samples, Tile},
-    tile::{ByteOrder, Height, Image, MESH_SIDES, MeshExtensions, Options, RowOrder, TileRequest, Tileset},
+    tile::{ByteOrder, Height, Image, MESH_SIDES, MeshExtensions, Options, Rounding, RowOrder, TileRequest, Tileset},
 };
 use axum::{
     extract::FromRequestParts,
@@ -70,6 +70,7 @@ struct TileQuery {
     filter: Option<String>,
     surface: Option<String>,
     page: Option<String>,
+    rounding: Option<String>,
     order: Option<String>,
     rows: Option<String>,
     extensions: Option<String>,
@@ -154,7 +155,8 @@ impl FromRequestParts<App> for TilePath {
         grid.check(tile).map_err(|error| ApiError::absent("tile", error.to_string()))?;
         let (filter, height) = (query.filter()?, query.height(tileset)?);
         let mesh = mesh_extensions(tileset, query.extensions.as_deref(), &parts.headers)?;
-        let options = Options { image, order: query.order(tileset)?, rows: query.rows(tileset)?, mesh };
+        let rounding = rounding(tileset, query.rounding.as_deref())?;
+        let options = Options { image, rounding, order: query.order(tileset)?, rows: query.rows(tileset)?, mesh };
         let tileset = paged(tileset, query.page.as_deref())?;
         Ok(Self { request: TileRequest { grid, tile, samples, filter, tileset, height, options }, is_sidecar })
     }
@@ -191,6 +193,12 @@ fn parse_index(name: &str, text: &str) -> Result<i64, ApiError> {
 pub(super) fn packing(tileset: Tileset, format: Option<&str>) -> Result<Image, ApiError> {
     let missing = || (!tileset.has_webp()).then(|| format!("{} is no WebP", tileset.name()));
     choice("format", format, [("png", Image::Png), ("webp", Image::Webp)], missing)
+}
+
+/// To what the heights of a tileset are rounded, by name: `steps` by default, or `spacing`.
+pub(super) fn rounding(tileset: Tileset, name: Option<&str>) -> Result<Rounding, ApiError> {
+    let missing = || (!tileset.has_rounding()).then(|| format!("{} is not rounded", tileset.name()));
+    choice("rounding", name, [("steps", Rounding::Steps), ("spacing", Rounding::Spacing)], missing)
 }
 
 /// What the last segment of a tile's address says.

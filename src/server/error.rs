@@ -41,6 +41,8 @@ pub(super) enum ApiError {
     Unauthorized(&'static str),
     /// Its key is for less than this.
     Scope(Scope),
+    /// A body is compressed, in this way.
+    Packed(String),
     /// The client has used up a budget.
     Spent(Spent),
     /// More work waits than the server takes.
@@ -114,6 +116,10 @@ impl ApiError {
             }
             ApiError::Unauthorized(detail) => (StatusCode::UNAUTHORIZED, "unauthorized", detail.to_owned(), Vec::new()),
             ApiError::Scope(needed) => (StatusCode::FORBIDDEN, "scope", format!("This key's scope does not reach: {needed} is needed."), Vec::new()),
+            ApiError::Packed(name) => {
+                let detail = format!("The body is compressed ({name}); bodies are read as they are.");
+                (StatusCode::UNSUPPORTED_MEDIA_TYPE, "compressed", detail, Vec::new())
+            }
             ApiError::Spent(Spent { budget, quota, .. }) => {
                 let detail = format!("In 10 s one client may have {quota} {}; RateLimit says when there are some again.", budget.what());
                 (StatusCode::TOO_MANY_REQUESTS, "too-many-requests", detail, Vec::new())

@@ -14,7 +14,7 @@ use crate::{
     world::{Revision, check_name},
 };
 use axum::{
-    body::Bytes,
+    body::{Bytes, HttpBody},
     extract::{FromRequest, FromRequestParts, Path, Query, Request, rejection::BytesRejection},
     http::{HeaderMap, StatusCode, header, request::Parts},
 };
@@ -179,10 +179,32 @@ pub(super) fn entity_tags(headers: &HeaderMap, name: header::HeaderName) -> Opti
 /// A request's body, at most as long as a document may be.
 pub(super) struct Body(pub Bytes);
 
+/// Bodies are read as they come: what was compressed would have to be unpacked first, and may be a bomb.
+fn refuse_packed(headers: &HeaderMap) -> Result<(), ApiError> {
+    let encodings = headers.get_all(header::CONTENT_ENCODING).iter().flat_map(|value| value.as_bytes().split(|byte| *byte == b','));
+    let packed = encodings.map(<[u8]>::trim_ascii).find(|name| !name.is_empty() && !name.eq_ignore_ascii_case(b"identity"));
+    packed.map_or(Ok(()), |name| Err(ApiError::Packed(String::from_utf8_lossy(&name[..name.len().min(40)]).into_owned())))
+}
+
+/// A request's body, read while it comes, at most as long as features may be.
+pub(super) struct Upload(pub axum::body::Body);
+
+impl FromRequest<App> for Upload {
+    type Rejection = ApiError;
+
+    async fn from_request(request: Request, app: &App) -> Result<Self, ApiError> {
+        refuse_packed(request.headers())?;
+        let body = request.into_body();
+        // What says that it is too long need not come.
+        if body.size_hint().lower() > app.0.feature_bytes as u64 { Err(ApiError::TooLarge(app.0.feature_bytes)) } else { Ok(Self(body)) }
+    }
+}
+
 impl FromRequest<App> for Body {
     type Rejection = ApiError;
 
     async fn from_request(request: Request, app: &App) -> Result<Self, ApiError> {
+        refuse_packed(request.headers())?;
         match Bytes::from_request(request, app).await {
             Ok(bytes) => Ok(Self(bytes)),
             Err(BytesRejection::FailedToBufferBody(rejection)) if rejection.status() == StatusCode::PAYLOAD_TOO_LARGE => {

@@ -79,12 +79,12 @@ fn others() -> OpenApiRouter<App> {
 #[must_use]
 pub fn openapi() -> utoipa::openapi::OpenApi {
     let mut described = others().merge(questions()).split_for_parts().1;
-    describe_keys(&mut described);
+    describe_common(&mut described);
     described
 }
 
-/// Adds to every call that may need a key how to give it, and what is answered without it.
-fn describe_keys(described: &mut utoipa::openapi::OpenApi) {
+/// Adds to every call that may need a key how to give it and what is answered without it, and to those with a body what all of them refuse.
+fn describe_common(described: &mut utoipa::openapi::OpenApi) {
     const NAME: &str = "key";
     let problem = || {
         let schema = RefOr::Ref(utoipa::openapi::Ref::from_schema_name("ProblemDetails"));
@@ -97,6 +97,9 @@ fn describe_keys(described: &mut utoipa::openapi::OpenApi) {
         let reads = [&mut item.get].into_iter().flatten().map(|operation| (operation, Method::GET));
         let writes = [&mut item.post, &mut item.put, &mut item.delete].into_iter().flatten().map(|operation| (operation, Method::POST));
         for (operation, method) in reads.chain(writes) {
+            if operation.request_body.is_some() {
+                operation.responses.responses.insert("415".to_owned(), answer("The body is compressed").into());
+            }
             let Some(scope) = needed(&method, path, Reads::Keys) else { continue };
             // An empty requirement says that it also goes without one.
             operation.security = Some(vec![SecurityRequirement::default(), SecurityRequirement::new(NAME, [scope.name()])]);

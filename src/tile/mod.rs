@@ -23,7 +23,7 @@ pub use contours::contour_interval;
 pub use lines::render_features;
 pub use materials::material_colour;
 pub use mesh::{MAX_MESH_ZOOM, MESH_SIDES, mesh_step, mesh_tolerance};
-pub use options::{ByteOrder, Image, MeshExtensions, Options, RowOrder};
+pub use options::{ByteOrder, Image, MeshExtensions, Options, Rounding, RowOrder};
 pub use preview::{PREVIEW_FORM, preview};
 pub use relief::Ramp;
 pub use steps::Steps;

@@ -84,6 +84,16 @@ impl MeshExtensions {
     }
 }
 
+/// To what heights are rounded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Rounding {
+    /// The steps of the encoding.
+    #[default]
+    Steps,
+    /// The greatest power of two of these that is at most a 64th of the samples' spacing, and at most 16 m: pictures of a fraction of the bytes.
+    Spacing,
+}
+
 /// What clients choose of a tile's bytes; each choice matters to some tilesets alone.
 ///
 /// ```
@@ -94,6 +104,8 @@ impl MeshExtensions {
 pub struct Options {
     /// Of [pictures](crate::tile::Tileset::has_webp).
     pub image: Image,
+    /// Of [heights of 24 bits](crate::tile::Tileset::has_rounding).
+    pub rounding: Rounding,
     /// Of [raw samples](crate::tile::Tileset::is_raw).
     pub order: ByteOrder,
     /// Of [heights for engines](crate::tile::Tileset::has_sidecar).
@@ -108,6 +120,9 @@ impl Options {
         let mut form = String::new();
         if self.image == Image::Webp {
             form += "\nwebp 1";
+        }
+        if self.rounding == Rounding::Spacing {
+            form += "\nrounded 1";
         }
         if self.order == ByteOrder::Big {
             form += "\nbig-endian";

@@ -1,5 +1,7 @@
 //! Elevations as whole steps over a vertical range, rounded to nearest.
 
+use super::rgb;
+
 /// The greatest number of 24 bits and of 16 bits.
 const LAST_24: f64 = 16_777_215.0;
 const LAST_16: f64 = 65_535.0;
@@ -55,9 +57,8 @@ impl Steps {
 
 /// R·65536 + G·256 + B steps.
 #[inline]
-pub(super) fn fit(steps: &Steps, elevation: f32) -> [u8; 3] {
-    let [_, r, g, b] = steps.number(elevation).to_be_bytes();
-    [r, g, b]
+pub(super) fn fit(steps: &Steps, elevation: f32, bits: u32) -> [u8; 3] {
+    rgb::bytes(steps.number(elevation), bits)
 }
 
 #[cfg(test)]
@@ -80,8 +81,8 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_clamped() {
         let steps = Steps::of_24_bits([-100.0, 100.0]);
-        assert_eq!((fit(&steps, -1e9), fit(&steps, 1e9), fit(&steps, f32::NAN)), ([0, 0, 0], [255, 255, 255], [255, 255, 255]));
-        assert_eq!(fit(&steps, -100.0), [0, 0, 0]);
+        assert_eq!((fit(&steps, -1e9, 0), fit(&steps, 1e9, 0), fit(&steps, f32::NAN, 0)), ([0, 0, 0], [255, 255, 255], [255, 255, 255]));
+        assert_eq!(fit(&steps, -100.0, 0), [0, 0, 0]);
         let flat = Steps::of_16_bits([7.0, 7.0]);
         assert_eq!((flat.number(7.0), flat.elevation(flat.number(7.0))), (65_535, 7.0), "a range without height");
     }

@@ -1,7 +1,7 @@
 //! The ways a surface is drawn as a tile.
 
 use super::{
-    ByteOrder, Height, Image, Options, Ramp, RowOrder, Steps, contours, hillshade,
+    ByteOrder, Height, Image, Options, Ramp, Rounding, RowOrder, Steps, contours, hillshade,
     lines::LAYERS,
     materials,
     raster::{Pixels, Raster},
@@ -201,6 +201,12 @@ impl Tileset {
         self.is_raw() || self == Tileset::Height16
     }
 
+    /// Whether its heights are numbers of 24 bits, which can be rounded to what the spacing justifies.
+    #[must_use]
+    pub fn has_rounding(self) -> bool {
+        matches!(self, Tileset::Terrarium | Tileset::TerrainRgb | Tileset::Fit)
+    }
+
     /// The steps that its numbers count over a vertical range in metres; `None` if they count none.
     #[must_use]
     pub fn steps(self, range: [f64; 2]) -> Option<Steps> {
@@ -297,24 +303,32 @@ impl Tileset {
             Tileset::Contours => Ok(contours::draw(surface, contours::interval(spacing))),
             // A surface has no features, and knows no place on the globe.
             Tileset::Features | Tileset::QuantizedMesh => Ok(Vec::new()),
-            _ => self.picture(surface, spacing, legend, options.rows).encode(options.image),
+            _ => self.picture(surface, spacing, legend, options).encode(options.image),
         }
     }
 
     /// Draws a surface as pixels.
-    fn picture(self, surface: &Surface, spacing: f64, legend: &Legend, rows: RowOrder) -> Raster {
+    fn picture(self, surface: &Surface, spacing: f64, legend: &Legend, options: Options) -> Raster {
         let whole = |pixels, bytes| Raster { size: [surface.columns, surface.rows], pixels, bytes };
         let inner = |pixels, bytes| Raster { size: [surface.columns.saturating_sub(2), surface.rows.saturating_sub(2)], pixels, bytes };
+        let needless = |step| if options.rounding == Rounding::Spacing { rgb::needless_bits(step, spacing) } else { 0 };
         match self {
-            Tileset::Terrarium => Raster::rgb(surface, rgb::terrarium),
-            Tileset::TerrainRgb => Raster::rgb(surface, rgb::terrain_rgb),
+            Tileset::Terrarium => {
+                let bits = needless(rgb::TERRARIUM_STEP);
+                Raster::rgb(surface, |elevation| rgb::terrarium(elevation, bits))
+            }
+            Tileset::TerrainRgb => {
+                let bits = needless(rgb::TERRAIN_RGB_STEP);
+                Raster::rgb(surface, |elevation| rgb::terrain_rgb(elevation, bits))
+            }
             Tileset::Fit => {
                 let steps = Steps::of_24_bits(legend.range);
-                Raster::rgb(surface, |elevation| steps::fit(&steps, elevation))
+                let bits = needless(steps.metres());
+                Raster::rgb(surface, |elevation| steps::fit(&steps, elevation, bits))
             }
             Tileset::Height16 => {
                 let steps = Steps::of_16_bits(legend.range);
-                whole(Pixels::Grey16, rows_of(surface, rows).flat_map(|elevation| (steps.number(elevation) as u16).to_ne_bytes()).collect())
+                whole(Pixels::Grey16, rows_of(surface, options.rows).flat_map(|elevation| (steps.number(elevation) as u16).to_ne_bytes()).collect())
             }
             Tileset::Slope => inner(Pixels::Grey, slope::half_degrees(surface, spacing)),
             Tileset::Normals => inner(Pixels::Rgb, slope::normals(surface, spacing)),

@@ -186,6 +186,31 @@ async fn fit_tells_maplibre_its_factors() {
 }
 
 #[tokio::test]
+async fn rounded_heights_take_fewer_bytes_and_are_as_near_as_the_spacing_justifies() {
+    let client = Client::new().await;
+    for (tileset, step) in [("terrarium", 1.0 / 256.0), ("terrain-rgb", 0.1)] {
+        let style = client.get(&format!("/worlds/alps/style.json?heights={tileset}&rounding=spacing")).await.json();
+        let template = client.get(&format!("/worlds/alps/web/{tileset}?rounding=spacing")).await.json()["tiles"][0].as_str().unwrap().to_owned();
+        assert!(template.contains("@2x.png?rounding=spacing") && style["sources"]["terrain"]["tiles"][0] == template, "{template}");
+        assert!(!style["sources"]["contours"]["tiles"][0].as_str().unwrap().contains("rounding"));
+        for z in [8, 10, 12] {
+            let path = |query: &str| format!("/worlds/alps/web/{tileset}/{z}/{0}/{0}.png{query}", 1 << (z - 1));
+            let [exact, rounded] = [client.get(&path("")).await, client.get(&path("?rounding=spacing")).await];
+            let numbers = |body: &[u8]| -> Vec<u32> {
+                let image = image::load_from_memory(body).unwrap().into_rgb8();
+                image.pixels().map(|pixel| u32::from_be_bytes([0, pixel[0], pixel[1], pixel[2]])).collect()
+            };
+            let coarse = 156_543.03 / f64::from(1 << z) / 64.0;
+            let bits = (coarse.min(16.0) / step).log2().floor() as u32;
+            for (was, is) in numbers(&exact.body).into_iter().zip(numbers(&rounded.body)) {
+                assert!(is % (1 << bits) == 0 && is.abs_diff(was) <= 1 << (bits - 1), "{was} became {is} at level {z}");
+            }
+            assert!(rounded.body.len() * 4 < exact.body.len() * 3, "{tileset} at level {z}: {} of {} bytes", rounded.body.len(), exact.body.len());
+        }
+    }
+}
+
+#[tokio::test]
 async fn wrong_formats_are_told_what_would_be_right() {
     let client = Client::new().await;
     for (path, expected) in [
@@ -197,6 +222,8 @@ async fn wrong_formats_are_told_what_would_be_right() {
         ("/worlds/alps/web/terrarium/1/0/0.png?order=be", "400 order: terrarium has an order of bytes of its own: leave it out"),
         ("/worlds/alps/web/terrarium/1/0/0.png?rows=south", "400 rows: rows of terrarium run from the north: leave it out"),
         ("/worlds/alps/web/r16/1/0/0.bin?order=middle", "400 order: must be le or be, got \"middle\""),
+        ("/worlds/alps/web/r16/1/0/0.bin?rounding=spacing", "400 rounding: r16 is not rounded: leave it out"),
+        ("/worlds/alps/web/terrarium?rounding=2", "400 rounding: must be steps or spacing, got \"2\""),
         ("/worlds/alps/web/r16?format=webp", "400 format: r16 is no WebP: leave it out"),
         ("/worlds/alps/style.json?heights=r16", "400 heights: must be terrarium, terrain-rgb or fit, got \"r16\""),
     ] {

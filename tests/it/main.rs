@@ -1,6 +1,7 @@
 //! Tests of the whole: HTTP without sockets, the real program, golden tiles, the house.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test says what is wrong by failing")]
 
+mod bombs;
 mod client;
 mod clients;
 mod corpus;

@@ -50,10 +50,11 @@ impl Server {
     }
 
     /// With headers of its own, Host among them.
-    pub(crate) fn request_with(&self, method: &str, path: &str, headers: &str, body: &str) -> std::io::Result<(u16, Vec<u8>)> {
-        let mut stream = TcpStream::connect(&self.address)?;
+    pub(crate) fn request_with(&self, method: &str, path: &str, headers: &str, body: impl AsRef<[u8]>) -> std::io::Result<(u16, Vec<u8>)> {
+        let (body, mut stream) = (body.as_ref(), TcpStream::connect(&self.address)?);
         stream.set_read_timeout(Some(Duration::from_secs(20)))?;
-        write!(stream, "{method} {path} HTTP/1.1\r\n{headers}\r\nConnection: close\r\nContent-Length: {}\r\n\r\n{body}", body.len())?;
+        let head = format!("{method} {path} HTTP/1.1\r\n{headers}\r\nConnection: close\r\nContent-Length: {}\r\n\r\n", body.len());
+        stream.write_all(&[head.as_bytes(), body].concat())?;
         let mut answer = Vec::new();
         stream.read_to_end(&mut answer)?;
         let end = answer.windows(4).position(|window| window == b"\r\n\r\n").ok_or(std::io::ErrorKind::UnexpectedEof)?;

@@ -5,7 +5,7 @@ use crate::{
     layout::geojson::{Collection, Drawn, Id, Problem, name_of_feature},
     server::{
         error::ApiError,
-        extract::{Body, FeatureAt, NameOf, PublicUrl, WorldAt, WriteCondition},
+        extract::{Body, FeatureAt, NameOf, PublicUrl, Upload, WorldAt, WriteCondition},
         features::{change, invalid},
         headers::{Freshness, tagged},
         schema::{AddedSchema, FeatureCollectionSchema, FeatureSchema, ProblemDetails},
@@ -18,7 +18,6 @@ use crate::{
 };
 use axum::{
     Json,
-    body::Body as Upload,
     extract::State,
     http::{StatusCode, header},
     response::{IntoResponse, Response},
@@ -79,7 +78,7 @@ pub(crate) async fn post_features(
     NameOf { name, .. }: NameOf<Live>,
     WriteCondition(condition): WriteCondition,
     PublicUrl(url): PublicUrl,
-    body: Upload,
+    Upload(body): Upload,
 ) -> Result<Response, ApiError> {
     let new = upload::read(&app, body).await?;
     let (live, first) = change(&app, name, move |live, place| {
@@ -155,7 +154,7 @@ pub(crate) async fn put_feature(
     State(app): State<App>,
     FeatureAt { world, id }: FeatureAt,
     WriteCondition(condition): WriteCondition,
-    body: Upload,
+    Upload(body): Upload,
 ) -> Result<Response, ApiError> {
     let mut new = upload::read(&app, body).await?;
     let [drawn] = &mut new.features[..] else { return Err(one_feature()) };

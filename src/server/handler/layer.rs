@@ -10,7 +10,7 @@ use crate::{
         schema::ProblemDetails,
         shelf::Shelved,
     },
-    tile::{Height, Image, MAX_MESH_ZOOM, MeshExtensions, Tileset, mesh_step, mesh_tolerance},
+    tile::{Height, Image, MAX_MESH_ZOOM, MeshExtensions, Rounding, Tileset, mesh_step, mesh_tolerance},
 };
 use axum::{http::HeaderMap, response::Response};
 use serde::{Deserialize, Serialize};
@@ -94,7 +94,7 @@ pub(crate) async fn get_layer(
         Some(other) => return Err(ApiError::parameter("surface", format!("must be ground or water, got {other:?}"))),
     };
     let (document, is_geo) = (live.world.document(), grid == Grid::Geo);
-    let template = super::tile::template(&live, grid.name(), (Tileset::QuantizedMesh, Image::Png), query.live.is_some());
+    let template = super::tile::template(&live, grid.name(), Tileset::QuantizedMesh, (Image::Png, Rounding::Steps), query.live.is_some());
     let all = |z| grid.size(z).map(|size| size - 1);
     let available = (0..=MAX_MESH_ZOOM).map(|z| [TileRange { start_x: 0, start_y: 0, end_x: all(z)[0], end_y: all(z)[1] }]).collect();
     let north = if is_geo { 90.0 } else { MAX_LATITUDE };

@@ -3,7 +3,7 @@
 use crate::{
     geometry::{DEGREE, Filter, Grid, GridError, Source, Stop, Until, to_lon_lat},
     server::{
-        address::{TilePath, TilesetPath, packing, paged},
+        address::{TilePath, TilesetPath, packing, paged, rounding},
         error::ApiError,
         extract::{Asker, Known, Links, WorldAt},
         headers::{Freshness, class, is_fresh, json, not_modified, tagged, timed},
@@ -16,7 +16,7 @@ use crate::{
         tiles::Order,
         worlds::Live,
     },
-    tile::{self, TileRequest, Tileset},
+    tile::{self, Image, Rounding, TileRequest, Tileset},
 };
 use axum::{
     extract::State,
@@ -42,6 +42,8 @@ pub(crate) struct TilesetQuery {
     page: Option<String>,
     /// `png` (default) or `webp`: how the tiles of the template are packed, without loss; `height16`, raw and vector tiles are no WebP.
     format: Option<String>,
+    /// Of `terrarium`, `terrain-rgb` and `fit`: `steps` (default), or `spacing`: heights rounded to what the samples' spacing justifies, in fewer bytes.
+    rounding: Option<String>,
 }
 
 /// A tile.
@@ -54,6 +56,7 @@ pub(crate) struct TilesetQuery {
     ("y" = String, Path, description = "Row, to the south, samples and extension: `5.png` or `5.webp` (256 pixels), `5@2x.png` (512), `5@257.bin` (257 × 257 vertices with both edges; 2 … 1025), `5@257.json` (what the samples of `height16`, `r16` and `r32` mean), `5.mvt`, `5.terrain` (65 × 65 samples; `@17`, `@33`, `@129`, `@257`). Rows of `quantized-mesh` count from the south"),
     ("surface" = Option<String>, Query, description = "`ground` (default) or `water`: the height that `terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `slope`, `normals` and `quantized-mesh` draw; `water` is the water's surface where there is water"),
     ("page" = Option<u8>, Query, description = "Of `weights`, 0 (default) … 63: page n has the materials of numbers 4 n to 4 n + 3 as red, green, blue and alpha"),
+    ("rounding" = Option<String>, Query, description = "Of `terrarium`, `terrain-rgb` and `fit`: `steps` (default) of the encoding, or `spacing`: the greatest power of two of these that is at most a 64th of the samples' spacing, and at most 16 m"),
     ("order" = Option<String>, Query, description = "Of `r16` and `r32`: `le` (default) or `be`, the byte that comes first"),
     ("rows" = Option<String>, Query, description = "Of `height16`, `r16` and `r32`: `north` (default) or `south`, the row that comes first"),
     ("extensions" = Option<String>, Query, description = "Of `quantized-mesh`: any of `octvertexnormals`, `watermask` and `metadata` with hyphens between them; without it what the Accept header says, as in `application/vnd.quantized-mesh;extensions=octvertexnormals-watermask`"),
@@ -153,8 +156,8 @@ pub(crate) async fn get_tilejson(
 ) -> Result<Response, ApiError> {
     let tileset = paged(tileset, query.page.as_deref())?;
     let (document, is_weights) = (live.world.document(), matches!(tileset, Tileset::Weights(_)));
-    let image = packing(tileset, query.format.as_deref())?;
-    let template = template(&live, grid.name(), (tileset, image), query.live.is_some());
+    let options = (packing(tileset, query.format.as_deref())?, rounding(tileset, query.rounding.as_deref())?);
+    let template = template(&live, grid.name(), tileset, options, query.live.is_some());
     let (range, steps) = (live.world.legend().range, tileset.steps(live.world.legend().range));
     let factors = (tileset == Tileset::Fit).then(|| steps.map(|steps| Factors::of(&steps))).flatten();
     let body = TileJson {
@@ -209,12 +212,16 @@ fn has_pixels(tileset: Tileset) -> bool {
     tileset.is_picture() || tileset.is_raw()
 }
 
-/// The template of the paths of a tileset's tiles, its pictures packed in a way.
-pub(super) fn template(live: &Live, grid: &str, (tileset, image): (Tileset, tile::Image), plain: bool) -> String {
+/// The template of the paths of a tileset's tiles, its pictures packed and its heights rounded in a way.
+pub(super) fn template(live: &Live, grid: &str, tileset: Tileset, (image, rounding): (Image, Rounding), plain: bool) -> String {
     let revision = if plain { String::new() } else { format!("@{}", live.world.revision()) };
     let samples = if has_pixels(tileset) { "@2x" } else { "" };
-    let page = if let Tileset::Weights(page @ 1..) = tileset { format!("?page={page}") } else { String::new() };
-    format!("/worlds/{}{revision}/{grid}/{}/{{z}}/{{x}}/{{y}}{samples}.{}{page}", live.name, tileset.name(), tileset.extension(image))
+    let query = match tileset {
+        Tileset::Weights(page @ 1..) => format!("?page={page}"),
+        _ if tileset.has_rounding() && rounding == Rounding::Spacing => "?rounding=spacing".to_owned(),
+        _ => String::new(),
+    };
+    format!("/worlds/{}{revision}/{grid}/{}/{{z}}/{{x}}/{{y}}{samples}.{}{query}", live.name, tileset.name(), tileset.extension(image))
 }
 
 /// The middle and zoom (of 512-pixel tiles) of a view with relief: longitude and latitude on `web` and `geo`, metres on `metric`.
@@ -247,6 +254,8 @@ pub(crate) struct StyleQuery {
     heights: Option<String>,
     /// `png` (default) or `webp`: how its tiles are packed.
     format: Option<String>,
+    /// `steps` (default), or `spacing`: heights rounded to what the samples' spacing justifies, in fewer bytes.
+    rounding: Option<String>,
 }
 
 impl StyleQuery {
@@ -269,8 +278,8 @@ impl StyleQuery {
 ))]
 pub(crate) async fn get_style(WorldAt { live, .. }: WorldAt, Known(query): Known<StyleQuery>, links: Links, headers: HeaderMap) -> Result<Response, ApiError> {
     let heights = query.heights()?;
-    let image = packing(heights, query.format.as_deref())?;
-    let tiles = |tileset| links.to(&template(&live, Grid::Web.name(), (tileset, image), query.live.is_some()));
+    let options = (packing(heights, query.format.as_deref())?, rounding(heights, query.rounding.as_deref())?);
+    let tiles = |tileset| links.to(&template(&live, Grid::Web.name(), tileset, options, query.live.is_some()));
     let style = style::style(&live, heights, tiles, MAX_ANNOUNCED_ZOOM, center(&live, Grid::Web));
     json(&headers, &style, Freshness::Revalidate)
 }
