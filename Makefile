@@ -4,7 +4,7 @@ CARGO ?= cargo
 NPM ?= npm
 NPM_CI = $(NPM) ci --no-audit --no-fund --silent
 
-.PHONY: run viewer test format lint unit browser soak bench pictures fuzz clean
+.PHONY: run viewer test format lint unit browser soak bench peers image pictures fuzz clean
 
 run: viewer
 	$(CARGO) run --release -- serve
@@ -48,6 +48,7 @@ soak:
 	TERRANE_PROGRAMMES=100000 $(CARGO) test --release --test it -- properties::
 	$(CARGO) test --release --test it -- --ignored --nocapture costs::costs_are_predicted
 	$(CARGO) test --release --test it -- --ignored --nocapture levels::
+	TERRANE_BIN="$${CARGO_TARGET_DIR:-$(CURDIR)/target}/release/terrane" TERRANE_EXAMPLES=500 tests/contract/run
 
 # The pictures of docs/programmes.md.
 pictures: viewer
@@ -61,6 +62,16 @@ fuzz:
 
 bench: viewer
 	$(CARGO) bench
+
+# A cached tile beside nginx and martin. Needs wrk, and those that are to be measured.
+peers: viewer
+	$(CARGO) build --release
+	benches/peers "$${CARGO_TARGET_DIR:-$(CURDIR)/target}/release/terrane"
+
+# The program without libraries to load, and the test of the image that holds it. Needs buildah.
+image: viewer
+	RUSTFLAGS="-C target-feature=+crt-static" $(CARGO) build --release --locked --target "$$(rustc --print host-tuple)"
+	TERRANE_BIN="$${CARGO_TARGET_DIR:-$(CURDIR)/target}/$$(rustc --print host-tuple)/release/terrane" docker/test
 
 clean:
 	$(CARGO) clean

@@ -31,6 +31,7 @@ mod style;
 mod tilejson;
 mod tiles;
 mod upload;
+mod vocabulary;
 mod wmts;
 mod worlds;
 

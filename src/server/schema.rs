@@ -1,18 +1,23 @@
 //! The JSON that goes over the wire, as `OpenAPI` describes it.
 
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use utoipa::ToSchema;
 
 /// A world document. Requests may leave out what has a default; responses hold every field.
 #[derive(ToSchema)]
 #[schema(as = World)]
+#[serde(deny_unknown_fields)]
 #[expect(dead_code, reason = "documents are read and written by crate::world; this describes them")]
 pub(super) struct WorldSchema {
     /// A name for people, at most 200 characters.
+    #[schema(max_length = 200)]
     title: Option<String>,
     /// What the world is, at most 4000 characters.
+    #[schema(max_length = 4000)]
     description: Option<String>,
     /// Whom maps should name, at most 200 characters.
+    #[schema(max_length = 200)]
     attribution: Option<String>,
     /// Hashed into every noise lattice.
     #[schema(minimum = 0, maximum = 9_007_199_254_740_991_i64, example = 7)]
@@ -21,107 +26,125 @@ pub(super) struct WorldSchema {
     #[schema(required = false, minimum = 1, maximum = 1, default = 1)]
     generator: u32,
     /// The vertical range that elevations are clamped to.
-    #[schema(required = false, inline)]
-    elevation: RangeSchema,
+    #[schema(inline)]
+    elevation: Option<RangeSchema>,
     /// Elevation of the sea's surface in metres.
-    #[schema(required = false, default = 0, minimum = -10000, maximum = 32767)]
-    sea_level: f64,
+    #[schema(default = 0, minimum = -10000, maximum = 32767)]
+    sea_level: Option<f64>,
     #[schema(inline)]
     base: BaseSchema,
     /// What lies above the base, at most 64 layers.
-    #[schema(required = false, max_items = 64)]
-    layers: Vec<LayerSchema>,
+    #[schema(max_items = 64)]
+    layers: Option<Vec<LayerSchema>>,
 }
 
 /// Something that lies above the base.
 #[derive(ToSchema)]
 #[schema(as = Layer)]
+#[serde(deny_unknown_fields)]
 #[expect(dead_code, reason = "as above")]
 pub(super) struct LayerSchema {
     /// 1 to 63 of a … z, 0 … 9 and -; like none of the others.
+    #[schema(pattern = "^[a-z0-9][a-z0-9-]{0,62}$")]
     name: String,
     /// Where its terrain comes from: `{"layout": …}`, see docs/layouts.md.
+    #[schema(value_type = Object)]
     source: serde_json::Value,
     /// `replace`, `add`, `max` or `min`.
-    #[schema(required = false, default = "replace")]
-    blend: String,
+    #[schema(default = "replace", pattern = "^(replace|add|max|min)$")]
+    blend: Option<String>,
     /// Layers are laid in ascending priority, of equal priority in their order.
-    #[schema(required = false, default = 0)]
-    priority: i32,
+    #[schema(default = 0)]
+    priority: Option<i32>,
     /// Where it shows: `{"polygon": [[x, y], …]}` in metres, 3 to 512 corners; everywhere without one.
+    #[schema(value_type = Option<Object>)]
     mask: Option<serde_json::Value>,
     /// Metres inside the mask's border over which the layer comes up to its full strength.
-    #[schema(required = false, default = 0, minimum = 0)]
-    fade: f64,
+    #[schema(default = 0, minimum = 0)]
+    fade: Option<f64>,
 }
 
 /// The vertical range, in metres.
 #[derive(ToSchema)]
+#[serde(deny_unknown_fields)]
 #[expect(dead_code, reason = "as above")]
 pub(super) struct RangeSchema {
-    #[schema(required = false, default = -10000, minimum = -10000, maximum = 32767)]
-    min: f64,
-    #[schema(required = false, default = 9000, minimum = -10000, maximum = 32767)]
-    max: f64,
+    #[schema(default = -10000, minimum = -10000, maximum = 32767)]
+    min: Option<f64>,
+    #[schema(default = 9000, minimum = -10000, maximum = 32767)]
+    max: Option<f64>,
 }
 
 /// The terrain beneath all layers: elevation = datum + amplitude · programme((x - origin\[0\]) / scale, (y - origin\[1\]) / scale).
 #[derive(ToSchema)]
+#[serde(deny_unknown_fields)]
 #[expect(dead_code, reason = "as above")]
 pub(super) struct BaseSchema {
     /// A terrain programme, as text or as a JSON tree.
-    #[schema(value_type = serde_json::Value, example = "fbm(1, 2, 8)")]
-    programme: serde_json::Value,
+    programme: TermSchema,
     /// Metres per programme unit, more than 0 and at most 2^40.
     #[schema(exclusive_minimum = 0, maximum = 1_099_511_627_776_i64, example = 20000)]
     scale: f64,
     /// Plane metres of the programme's origin, x and y.
-    #[schema(required = false)]
-    origin: [f64; 2],
+    #[schema(min_items = 2, max_items = 2)]
+    origin: Option<[f64; 2]>,
     /// Metres of elevation per unit of the programme's value.
-    #[schema(required = false, default = 1000, minimum = -1_000_000, maximum = 1_000_000)]
-    amplitude: f64,
+    #[schema(default = 1000, minimum = -1_000_000, maximum = 1_000_000)]
+    amplitude: Option<f64>,
     /// Metres of elevation where the programme is 0.
-    #[schema(required = false, default = 0, minimum = -1_000_000, maximum = 1_000_000)]
-    datum: f64,
+    #[schema(default = 0, minimum = -1_000_000, maximum = 1_000_000)]
+    datum: Option<f64>,
+}
+
+/// A terrain programme: its text, a constant, or an object with `op`.
+#[derive(ToSchema)]
+#[schema(as = Term, example = "fbm(1, 2, 8)")]
+#[serde(untagged)]
+#[expect(dead_code, reason = "as above")]
+pub(super) enum TermSchema {
+    Text(String),
+    Constant(f64),
+    Tree(BTreeMap<String, serde_json::Value>),
 }
 
 /// A programme of the library, with what shows it best as terrain. Requests may leave out what has a default; responses hold every field.
 #[derive(ToSchema)]
 #[schema(as = Programme)]
+#[serde(deny_unknown_fields)]
 #[expect(dead_code, reason = "as above")]
 pub(super) struct ProgrammeSchema {
     /// A name for people, at most 200 characters.
+    #[schema(max_length = 200)]
     title: Option<String>,
     /// What terrain it makes, at most 4000 characters.
+    #[schema(max_length = 4000)]
     description: Option<String>,
     /// What it can be found by; each 1 to 63 of a … z, 0 … 9 and -, none twice.
     #[schema(required = false, max_items = 16)]
     tags: Vec<String>,
     /// Where it came from, at most 200 characters.
-    #[schema(required = false, default = "", example = "shipped with Terrane")]
+    #[schema(required = false, default = "", max_length = 200, example = "shipped with Terrane")]
     origin: String,
     /// A terrain programme, as text or as a JSON tree.
-    #[schema(value_type = serde_json::Value, example = "fbm(1, 2, 8)")]
-    programme: serde_json::Value,
+    programme: TermSchema,
     /// Metres per programme unit, more than 0 and at most 2^40.
-    #[schema(required = false, default = 20000, exclusive_minimum = 0, maximum = 1_099_511_627_776_i64)]
-    scale: f64,
+    #[schema(default = 20000, exclusive_minimum = 0, maximum = 1_099_511_627_776_i64)]
+    scale: Option<f64>,
     /// Metres of elevation per unit of the programme's value.
-    #[schema(required = false, default = 1000, minimum = -1_000_000, maximum = 1_000_000)]
-    amplitude: f64,
+    #[schema(default = 1000, minimum = -1_000_000, maximum = 1_000_000)]
+    amplitude: Option<f64>,
     /// Metres of elevation where the programme is 0.
-    #[schema(required = false, default = 0, minimum = -1_000_000, maximum = 1_000_000)]
-    datum: f64,
+    #[schema(default = 0, minimum = -1_000_000, maximum = 1_000_000)]
+    datum: Option<f64>,
     /// Elevation of the sea's surface in metres.
-    #[schema(required = false, default = 0, minimum = -10000, maximum = 32767)]
-    sea_level: f64,
+    #[schema(default = 0, minimum = -10000, maximum = 32767)]
+    sea_level: Option<f64>,
     /// The seed that it is shown with.
     #[schema(required = false, default = 0, minimum = 0, maximum = 9_007_199_254_740_991_i64)]
     seed: u64,
     /// The vertical range that elevations are clamped to.
-    #[schema(required = false, inline)]
-    elevation: RangeSchema,
+    #[schema(inline)]
+    elevation: Option<RangeSchema>,
 }
 
 /// A programme in a list.
@@ -217,15 +240,24 @@ pub(super) struct ElevationSchema {
     pub water_depth: f32,
 }
 
+/// Two numbers.
+#[derive(ToSchema)]
+#[schema(as = Position, min_items = 2, max_items = 2)]
+#[expect(dead_code, reason = "as above")]
+pub(super) struct PositionSchema([f64; 2]);
+
 /// Points that are asked for: one of `points` and `lonlats`.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct BatchSchema {
     /// `[x, y]` in metres, at most 10,000.
+    #[schema(value_type = Option<Vec<PositionSchema>>, max_items = 10000)]
     pub points: Option<Vec<[f64; 2]>>,
     /// `[longitude, latitude]` in degrees, on the plane as Web Mercator has them, at most 10,000.
+    #[schema(value_type = Option<Vec<PositionSchema>>, max_items = 10000)]
     pub lonlats: Option<Vec<[f64; 2]>>,
     /// Metres a pixel: the elevations as tiles of this spacing see them. Without it, the function as it is.
+    #[schema(exclusive_minimum = 0)]
     pub spacing: Option<f64>,
 }
 
@@ -263,15 +295,28 @@ pub(super) struct ProfileSchema {
 pub(super) struct FeatureSchema {
     /// `Feature`.
     #[serde(rename = "type")]
-    #[schema(rename = "type", example = "Feature")]
+    #[schema(rename = "type", pattern = "^Feature$", example = "Feature")]
     kind: String,
     /// Text of 1 to 200 characters or a whole number; made where it is missing.
     #[schema(required = false)]
     id: serde_json::Value,
-    /// A `Point`, a `LineString` or a `Polygon`.
-    geometry: serde_json::Value,
+    geometry: GeometrySchema,
     /// `attributes` (the name of a set, or a list), and as needed `elevation`, `radius`, `detail`, `along`, `precedence`. All others are kept and have no influence.
+    #[schema(value_type = Object)]
     properties: serde_json::Value,
+}
+
+/// Where a feature lies (RFC 7946).
+#[derive(ToSchema)]
+#[schema(as = Geometry)]
+#[expect(dead_code, reason = "as above")]
+pub(super) struct GeometrySchema {
+    /// `Point`, `LineString` or `Polygon`.
+    #[serde(rename = "type")]
+    #[schema(rename = "type", pattern = "^(Point|LineString|Polygon)$", example = "Point")]
+    kind: String,
+    /// Of a point a position, of a line its positions, of a polygon its rings; a position is x, y and, where it is known, the elevation.
+    coordinates: Vec<serde_json::Value>,
 }
 
 /// Features with the sets of attributes that they share.
@@ -281,7 +326,7 @@ pub(super) struct FeatureSchema {
 pub(super) struct FeatureCollectionSchema {
     /// `FeatureCollection`.
     #[serde(rename = "type")]
-    #[schema(rename = "type", example = "FeatureCollection")]
+    #[schema(rename = "type", pattern = "^FeatureCollection$", example = "FeatureCollection")]
     kind: String,
     /// Lists of attributes by name.
     #[schema(required = false)]

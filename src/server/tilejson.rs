@@ -16,10 +16,12 @@ pub(super) struct TileJson {
     pub attribution: Option<String>,
     pub scheme: &'static str,
     /// One absolute URL template.
+    #[schema(min_items = 1, max_items = 1)]
     pub tiles: [String; 1],
     pub minzoom: u8,
     pub maxzoom: u8,
     /// Longitude, latitude and zoom of a view with relief (`web`, `geo`); x, y and zoom in metres on `metric`.
+    #[schema(min_items = 3, max_items = 3)]
     pub center: [f64; 3],
     /// Pixels a side; not there for vector tiles.
     #[serde(rename = "tileSize", skip_serializing_if = "Option::is_none")]
@@ -32,9 +34,11 @@ pub(super) struct TileJson {
     pub encoding: Option<&'static str>,
     /// Of `fit`: what `MapLibre` needs of the encoding `custom`.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Factors)]
     pub factors: Option<Factors>,
     /// Of `fit`, `height16` and `r16`: metres of the least number and of the greatest.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(min_items = 2, max_items = 2)]
     pub elevation: Option<[f64; 2]>,
     /// What the numbers of `materials` mean, the channels of `weights`, and the colours of `relief`; 0 is none.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -48,9 +52,13 @@ pub(super) struct TileJson {
 #[derive(Clone, Copy, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Factors {
+    #[schema(required = false)]
     pub red_factor: f64,
+    #[schema(required = false)]
     pub green_factor: f64,
+    #[schema(required = false)]
     pub blue_factor: f64,
+    #[schema(required = false)]
     pub base_shift: f64,
 }
 

@@ -3,6 +3,10 @@
 use crate::client::Client;
 use axum::http::{Method, StatusCode};
 use std::path::Path;
+use terrane::{
+    geometry::Grid,
+    tile::{AreaFormat, Tileset},
+};
 
 #[test]
 fn the_description_in_the_repository_is_that_of_the_code() {
@@ -80,6 +84,21 @@ async fn every_described_operation_is_there() {
         }
     }
     assert!(operations >= 33, "{operations}");
+}
+
+/// The words of addresses are written once more for the description.
+#[test]
+fn the_description_names_every_grid_tileset_and_format() {
+    let description = serde_json::to_value(terrane::server::openapi()).unwrap();
+    let named = |path: &str, parameter: &str| -> Vec<String> {
+        let parameters = description["paths"][path]["get"]["parameters"].as_array().unwrap();
+        let found = parameters.iter().find(|known| known["name"] == parameter).unwrap();
+        serde_json::from_value(found["schema"]["enum"].clone()).unwrap()
+    };
+    let tile = "/worlds/{world}/{grid}/{tileset}/{z}/{x}/{y}";
+    assert_eq!(named(tile, "grid"), Grid::ALL.map(Grid::name));
+    assert_eq!(named(tile, "tileset"), Tileset::ALL.map(Tileset::name));
+    assert_eq!(named("/worlds/{world}/export", "format"), AreaFormat::ALL.map(AreaFormat::name));
 }
 
 #[tokio::test]

@@ -7,6 +7,7 @@ use crate::{
         schema::ProblemDetails,
         shelf::Shelved,
         state::App,
+        vocabulary::Name,
     },
     store::{Condition, Saved},
     world::check_name,
@@ -26,6 +27,7 @@ use utoipa::{IntoParams, IntoResponses};
 #[into_params(parameter_in = Query)]
 pub(crate) struct NameQuery {
     /// Without it a name is made from the title, or from the revision.
+    #[param(value_type = Option<Name>, inline)]
     name: Option<String>,
 }
 

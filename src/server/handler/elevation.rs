@@ -29,14 +29,17 @@ use utoipa::IntoParams;
 #[into_params(parameter_in = Query)]
 pub(crate) struct PointQuery {
     /// Metres to the east of the plane's origin, with y.
+    #[param(minimum = -1_099_511_627_776_i64, maximum = 1_099_511_627_776_i64)]
     x: Option<f64>,
     /// Metres to the north of the plane's origin, with x.
+    #[param(minimum = -1_099_511_627_776_i64, maximum = 1_099_511_627_776_i64)]
     y: Option<f64>,
     /// Degrees, with lat; on the plane as Web Mercator has it.
     lon: Option<f64>,
     /// Degrees within ±85.0511, with lon.
     lat: Option<f64>,
     /// Metres a pixel: the elevation as a tile of this spacing sees it. Without it, the function as it is.
+    #[param(exclusive_minimum = 0)]
     spacing: Option<f64>,
 }
 
@@ -183,9 +186,10 @@ pub(crate) struct ProfileQuery {
     /// Degrees: `lon,lat,lon,lat,…`, instead of `line`; the line is straight on the plane between its corners, as Web Mercator shows it.
     lonlat: Option<String>,
     /// How many points at equal distances, both ends among them: 2 … 10000, 256 without it.
-    #[param(value_type = Option<usize>)]
+    #[param(value_type = Option<usize>, minimum = 2, maximum = 10000)]
     samples: Option<String>,
     /// Metres a pixel: the elevations as tiles of this spacing see them. Without it, the function as it is.
+    #[param(exclusive_minimum = 0)]
     spacing: Option<f64>,
 }
 

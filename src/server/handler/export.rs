@@ -10,6 +10,7 @@ use crate::{
         headers::{Freshness, is_fresh, not_modified, tagged},
         schema::ProblemDetails,
         state::App,
+        vocabulary::{AreaFormatName, FilterName, RegistrationName, SurfaceName},
         worlds::Live,
     },
     tile::{Area, AreaError, AreaFormat, AreaRequest, Height, Registration},
@@ -33,17 +34,20 @@ pub(crate) struct ExportQuery {
     #[param(required, example = "-5000,0,5000,10000")]
     bbox: Option<String>,
     /// Metres between neighbouring samples.
-    #[param(required, example = 10)]
+    #[param(required, exclusive_minimum = 0, example = 10)]
     spacing: Option<f64>,
     /// `geotiff` (f32 metres with their place, EPSG:3857), `r16` (little-endian u16 over the world's vertical range), `r32` (little-endian f32 metres), `png16`
     /// (grey of 16 bits over the range), `obj` or `gltf` (triangles; one binary `.glb`).
-    #[param(required, example = "geotiff")]
+    #[param(required, value_type = AreaFormatName, inline, example = "geotiff")]
     format: Option<String>,
     /// `centres` (samples in the middle of pixels; default of rasters) or `vertices` (on the area's edges, as `@n` of tiles; default of meshes).
+    #[param(value_type = Option<RegistrationName>, inline)]
     registration: Option<String>,
     /// `ground` (default) or `water`: the water's surface where there is water.
+    #[param(value_type = Option<SurfaceName>, inline)]
     surface: Option<String>,
     /// `band` (default) leaves out what the spacing cannot carry, `exact` samples the function as it is.
+    #[param(value_type = Option<FilterName>, inline)]
     filter: Option<String>,
 }
 

@@ -36,6 +36,7 @@ pub(crate) struct FeaturesQuery {
     /// `minx,miny,maxx,maxy` in world metres: only features that may meet this area.
     bbox: Option<String>,
     /// Features of one answer, 1 … 10000; 100 without it.
+    #[param(minimum = 1, maximum = 10000)]
     limit: Option<usize>,
     /// Features to pass over, as the link `next` does.
     offset: Option<usize>,

@@ -12,6 +12,7 @@ use crate::{
         shelf::Shelved,
         state::App,
         upload,
+        vocabulary::{MatchCondition, Name, SaveConditions},
         worlds::Live,
     },
     store::{Condition, Kind},
@@ -67,8 +68,8 @@ fn check(condition: &Condition, what: &str, tag: Option<&str>) -> Result<(), Api
 ///
 /// Features without an id get one. Nothing is stored unless all are good.
 #[utoipa::path(post, path = "/worlds/{world}/features", tag = "features", params(
-    ("world" = String, Path, description = "A name"),
-    ("If-Match" = Option<String>, Header, description = "Revisions the world must be at, or *"),
+    ("world" = inline(Name), Path, description = "A name"),
+    MatchCondition,
 ), request_body(content((FeatureCollectionSchema = "application/geo+json"), (String = "application/geo+json-seq"), (String = "application/x-ndjson"))), responses(
     (status = 201, description = "What was added", body = AddedSchema, headers(("ETag" = String, description = "The world's new revision"), ("Location" = String, description = "The feature, if it was one"))),
     EditErrors,
@@ -141,10 +142,9 @@ fn escaped(text: &str) -> String {
 
 /// Saves one feature: in the place of the one with this id, or as a new one.
 #[utoipa::path(put, path = "/worlds/{world}/features/{id}", tag = "features", params(
-    ("world" = String, Path, description = "A name"),
+    ("world" = inline(Name), Path, description = "A name"),
     ("id" = String, Path, description = "The feature's id; a feature that has one itself must have this"),
-    ("If-Match" = Option<String>, Header, description = "Entity tags the feature must have, or *"),
-    ("If-None-Match" = Option<String>, Header, description = "*: there must be no such feature"),
+    SaveConditions,
 ), request_body(content = FeatureSchema, content_type = "application/geo+json"), responses(
     (status = 200, description = "Saved: the feature", body = FeatureSchema, content_type = "application/geo+json", headers(("ETag" = String, description = "The name of its content"))),
     (status = 201, description = "A new feature", body = FeatureSchema, content_type = "application/geo+json", headers(("ETag" = String, description = "The name of its content"))),
@@ -192,9 +192,9 @@ fn one_feature() -> ApiError {
 
 /// Takes a feature out of the world.
 #[utoipa::path(delete, path = "/worlds/{world}/features/{id}", tag = "features", params(
-    ("world" = String, Path, description = "A name"),
+    ("world" = inline(Name), Path, description = "A name"),
     ("id" = String, Path, description = "The feature's id"),
-    ("If-Match" = Option<String>, Header, description = "Entity tags the feature must have, or *"),
+    MatchCondition,
 ), responses((status = 204, description = "It is gone", headers(("ETag" = String, description = "The world's new revision"))), EditErrors))]
 pub(crate) async fn delete_feature(
     State(app): State<App>,

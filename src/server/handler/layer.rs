@@ -9,6 +9,7 @@ use crate::{
         headers::{Freshness, json},
         schema::ProblemDetails,
         shelf::Shelved,
+        vocabulary::{GlobeGridName, SurfaceName},
     },
     tile::{Height, Image, MAX_MESH_ZOOM, MeshExtensions, Rounding, Tileset, mesh_step, mesh_tolerance},
 };
@@ -25,6 +26,7 @@ pub(crate) struct LayerQuery {
     #[param(value_type = Option<String>, allow_reserved = false)]
     live: Option<String>,
     /// `ground` (default) or `water`: the surface that the meshes show.
+    #[param(value_type = Option<SurfaceName>, inline)]
     surface: Option<String>,
 }
 
@@ -73,7 +75,7 @@ struct LayerSchema {
 /// The meshes of a world for Cesium and the engines that read its formats.
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/quantized-mesh/layer.json", tag = "tiles", params(
     ("world" = String, Path, description = "`name` or `name@revision`"),
-    ("grid" = String, Path, description = "`geo` or `web`"),
+    ("grid" = inline(GlobeGridName), Path, description = "`geo` or `web`"),
     LayerQuery,
 ), responses(
     (status = 200, description = "What Cesium's terrain provider reads", body = LayerSchema),

@@ -11,6 +11,7 @@ use crate::server::{
     shelf::Shelved,
     state::App,
     tiles::Order,
+    vocabulary::{MatchCondition, Name, SaveConditions},
 };
 use axum::{
     extract::State,
@@ -72,9 +73,8 @@ pub(crate) async fn get_programme(Present(shown): Present<Shown>, headers: Heade
 ///
 /// What was acknowledged is on disk. `If-Match: "<revision>"` saves only over that revision, `If-None-Match: *` only a new programme.
 #[utoipa::path(put, path = "/programmes/{programme}", tag = "programmes", params(
-    ("programme" = String, Path, description = "A name: 1 to 63 of a … z, 0 … 9 and -"),
-    ("If-Match" = Option<String>, Header, description = "Revisions the programme must be at, or *"),
-    ("If-None-Match" = Option<String>, Header, description = "*: there must be no such programme"),
+    ("programme" = inline(Name), Path, description = "A name: 1 to 63 of a … z, 0 … 9 and -"),
+    SaveConditions,
 ), request_body = ProgrammeSchema, responses(
     (status = 200, description = "Saved, or already so: the completed document", body = ProgrammeSchema, headers(("ETag" = String, description = "The revision"))),
     (status = 201, description = "A new programme: the completed document", body = ProgrammeSchema, headers(("ETag" = String, description = "The revision"), ("Location" = String, description = "The programme"))),
@@ -108,8 +108,8 @@ pub(crate) async fn post_programme(
 
 /// Takes a programme out of the library. One that ships with Terrane does not come back.
 #[utoipa::path(delete, path = "/programmes/{programme}", tag = "programmes", params(
-    ("programme" = String, Path, description = "A name"),
-    ("If-Match" = Option<String>, Header, description = "Revisions the programme must be at, or *"),
+    ("programme" = inline(Name), Path, description = "A name"),
+    MatchCondition,
 ), responses(
     (status = 204, description = "It is gone"),
     (status = 404, description = "No such programme", body = ProblemDetails, content_type = "application/problem+json"),

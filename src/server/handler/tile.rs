@@ -14,6 +14,7 @@ use crate::{
         style,
         tilejson::{Factors, MaterialSchema, TileJson, VectorLayerSchema},
         tiles::Order,
+        vocabulary::{ByteOrderName, FilterName, GridName, HeightsName, ImageName, RoundingName, RowOrderName, SurfaceName, TileFile, TilesetName},
         worlds::Live,
     },
     tile::{self, Image, Rounding, TileRequest, Tileset},
@@ -38,29 +39,31 @@ pub(crate) struct TilesetQuery {
     #[param(value_type = Option<String>, allow_reserved = false)]
     live: Option<String>,
     /// Of `weights`, 0 (default) … 63: the page of materials.
-    #[param(value_type = Option<u8>)]
+    #[param(value_type = Option<u8>, maximum = 63)]
     page: Option<String>,
     /// `png` (default) or `webp`: how the tiles of the template are packed, without loss; `height16`, raw and vector tiles are no WebP.
+    #[param(value_type = Option<ImageName>, inline)]
     format: Option<String>,
     /// Of `terrarium`, `terrain-rgb` and `fit`: `steps` (default), or `spacing`: heights rounded to what the samples' spacing justifies, in fewer bytes.
+    #[param(value_type = Option<RoundingName>, inline)]
     rounding: Option<String>,
 }
 
 /// A tile.
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}/{z}/{x}/{y}", tag = "tiles", params(
     ("world" = String, Path, description = "`name`, or `name@revision` for a tile that never changes"),
-    ("grid" = String, Path, description = "`web`, `geo` or `metric`"),
-    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `slope`, `normals`, `water`, `materials`, `weights`, `relief`, `contours`, `features` or `quantized-mesh`"),
-    ("z" = u8, Path, description = "Zoom level, 0 … 30"),
+    ("grid" = inline(GridName), Path, description = "`web`, `geo` or `metric`"),
+    ("tileset" = inline(TilesetName), Path, description = "`terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `slope`, `normals`, `water`, `materials`, `weights`, `relief`, `contours`, `features` or `quantized-mesh`"),
+    ("z" = u8, Path, maximum = 30, description = "Zoom level, 0 … 30"),
     ("x" = i64, Path, description = "Column, to the east; may be negative or beyond 2^z"),
-    ("y" = String, Path, description = "Row, to the south, samples and extension: `5.png` or `5.webp` (256 pixels), `5@2x.png` (512), `5@257.bin` (257 × 257 vertices with both edges; 2 … 1025), `5@257.json` (what the samples of `height16`, `r16` and `r32` mean), `5.mvt`, `5.terrain` (65 × 65 samples; `@17`, `@33`, `@129`, `@257`). Rows of `quantized-mesh` count from the south"),
-    ("surface" = Option<String>, Query, description = "`ground` (default) or `water`: the height that `terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `slope`, `normals` and `quantized-mesh` draw; `water` is the water's surface where there is water"),
-    ("page" = Option<u8>, Query, description = "Of `weights`, 0 (default) … 63: page n has the materials of numbers 4 n to 4 n + 3 as red, green, blue and alpha"),
-    ("rounding" = Option<String>, Query, description = "Of `terrarium`, `terrain-rgb` and `fit`: `steps` (default) of the encoding, or `spacing`: the greatest power of two of these that is at most a 64th of the samples' spacing, and at most 16 m"),
-    ("order" = Option<String>, Query, description = "Of `r16` and `r32`: `le` (default) or `be`, the byte that comes first"),
-    ("rows" = Option<String>, Query, description = "Of `height16`, `r16` and `r32`: `north` (default) or `south`, the row that comes first"),
+    ("y" = inline(TileFile), Path, description = "Row, to the south, samples and extension: `5.png` or `5.webp` (256 pixels), `5@2x.png` (512), `5@257.bin` (257 × 257 vertices with both edges; 2 … 1025), `5@257.json` (what the samples of `height16`, `r16` and `r32` mean), `5.mvt`, `5.terrain` (65 × 65 samples; `@17`, `@33`, `@129`, `@257`). Rows of `quantized-mesh` count from the south"),
+    ("surface" = inline(Option<SurfaceName>), Query, description = "`ground` (default) or `water`: the height that `terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `slope`, `normals` and `quantized-mesh` draw; `water` is the water's surface where there is water"),
+    ("page" = Option<u8>, Query, maximum = 63, description = "Of `weights`, 0 (default) … 63: page n has the materials of numbers 4 n to 4 n + 3 as red, green, blue and alpha"),
+    ("rounding" = inline(Option<RoundingName>), Query, description = "Of `terrarium`, `terrain-rgb` and `fit`: `steps` (default) of the encoding, or `spacing`: the greatest power of two of these that is at most a 64th of the samples' spacing, and at most 16 m"),
+    ("order" = inline(Option<ByteOrderName>), Query, description = "Of `r16` and `r32`: `le` (default) or `be`, the byte that comes first"),
+    ("rows" = inline(Option<RowOrderName>), Query, description = "Of `height16`, `r16` and `r32`: `north` (default) or `south`, the row that comes first"),
     ("extensions" = Option<String>, Query, description = "Of `quantized-mesh`: any of `octvertexnormals`, `watermask` and `metadata` with hyphens between them; without it what the Accept header says, as in `application/vnd.quantized-mesh;extensions=octvertexnormals-watermask`"),
-    ("filter" = Option<String>, Query, description = "`band` (default) leaves out what the spacing cannot carry, `exact` samples the function as it is"),
+    ("filter" = inline(Option<FilterName>), Query, description = "`band` (default) leaves out what the spacing cannot carry, `exact` samples the function as it is"),
 ), responses(
     (status = 200, description = "The tile", content((Vec<u8> = "image/png"), (Vec<u8> = "image/webp"), (Vec<u8> = "application/octet-stream"), (Vec<u8> = "application/vnd.mapbox-vector-tile"), (Vec<u8> = "application/vnd.quantized-mesh"), (SidecarSchema = "application/json")), headers(("ETag" = String, description = "The tile's fingerprint"))),
     (status = 304, description = "The tile is what If-None-Match names; nothing was evaluated"),
@@ -138,8 +141,8 @@ const MOST_TILE_NS: f64 = 1e10;
 /// What viewers need to know of a tileset.
 #[utoipa::path(get, path = "/worlds/{world}/{grid}/{tileset}", tag = "tiles", params(
     ("world" = String, Path, description = "`name` or `name@revision`"),
-    ("grid" = String, Path, description = "`web`, `geo` or `metric`"),
-    ("tileset" = String, Path, description = "`terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `slope`, `normals`, `water`, `materials`, `weights`, `relief`, `contours`, `features` or `quantized-mesh`"),
+    ("grid" = inline(GridName), Path, description = "`web`, `geo` or `metric`"),
+    ("tileset" = inline(TilesetName), Path, description = "`terrarium`, `terrain-rgb`, `fit`, `height16`, `r16`, `r32`, `hillshade`, `slope`, `normals`, `water`, `materials`, `weights`, `relief`, `contours`, `features` or `quantized-mesh`"),
     TilesetQuery,
 ), responses(
     (status = 200, description = "TileJSON 3.0 with `encoding` and `tileSize`", body = TileJson),
@@ -251,10 +254,13 @@ pub(crate) struct StyleQuery {
     #[param(value_type = Option<String>, allow_reserved = false)]
     live: Option<String>,
     /// `terrarium` (default), `terrain-rgb` or `fit`: the tileset that heights are read from.
+    #[param(value_type = Option<HeightsName>, inline)]
     heights: Option<String>,
     /// `png` (default) or `webp`: how its tiles are packed.
+    #[param(value_type = Option<ImageName>, inline)]
     format: Option<String>,
     /// `steps` (default), or `spacing`: heights rounded to what the samples' spacing justifies, in fewer bytes.
+    #[param(value_type = Option<RoundingName>, inline)]
     rounding: Option<String>,
 }
 

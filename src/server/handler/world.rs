@@ -7,6 +7,7 @@ use crate::server::{
     headers::Freshness,
     schema::{ProblemDetails, RevisionSchema, WorldSchema},
     state::App,
+    vocabulary::{MatchCondition, Name, SaveConditions},
     worlds::Live,
 };
 use axum::{
@@ -30,9 +31,8 @@ pub(crate) async fn get_world(WorldAt { live, pinned }: WorldAt, headers: Header
 ///
 /// What was acknowledged is on disk. `If-Match: "<revision>"` saves only over that revision, `If-None-Match: *` only a new world.
 #[utoipa::path(put, path = "/worlds/{world}", tag = "worlds", params(
-    ("world" = String, Path, description = "A name: 1 to 63 of a … z, 0 … 9 and -"),
-    ("If-Match" = Option<String>, Header, description = "Revisions the world must be at, or *"),
-    ("If-None-Match" = Option<String>, Header, description = "*: there must be no such world"),
+    ("world" = inline(Name), Path, description = "A name: 1 to 63 of a … z, 0 … 9 and -"),
+    SaveConditions,
 ), request_body = WorldSchema, responses(
     (status = 200, description = "Saved, or already so: the completed document", body = WorldSchema, headers(("ETag" = String, description = "The revision"))),
     (status = 201, description = "A new world: the completed document", body = WorldSchema, headers(("ETag" = String, description = "The revision"), ("Location" = String, description = "The world"))),
@@ -66,8 +66,8 @@ pub(crate) async fn post_world(
 
 /// Takes a world out of the catalogue. Its history stays, and goes on if the name is used again.
 #[utoipa::path(delete, path = "/worlds/{world}", tag = "worlds", params(
-    ("world" = String, Path, description = "A name"),
-    ("If-Match" = Option<String>, Header, description = "Revisions the world must be at, or *"),
+    ("world" = inline(Name), Path, description = "A name"),
+    MatchCondition,
 ), responses(
     (status = 204, description = "It is gone"),
     (status = 404, description = "No such world", body = ProblemDetails, content_type = "application/problem+json"),
