@@ -83,6 +83,31 @@ async fn latencies(address: &str) {
     }
 }
 
+/// Milliseconds of cold tiles of the example world that takes longest, none asked for twice, with some clients at a time.
+async fn crowd(address: &str, clients: u32, row: u32) {
+    const TILES: u32 = 480;
+    let workers = (0..clients).map(|client| {
+        let address = address.to_owned();
+        tokio::spawn(async move {
+            let (mut stream, mut buffer, mut times) = (TcpStream::connect(address).await.unwrap(), Vec::new(), Vec::new());
+            stream.set_nodelay(true).unwrap();
+            for i in 0..TILES / clients {
+                let path = format!("/worlds/eq2/web/terrarium/11/{}/{}.png", 1000 + i, row + client);
+                let start = Instant::now();
+                ask(&mut stream, &path, &mut buffer).await;
+                times.push(start.elapsed().as_secs_f64() * 1e3);
+            }
+            times
+        })
+    });
+    let mut times = Vec::new();
+    for worker in workers.collect::<Vec<_>>() {
+        times.extend(worker.await.unwrap());
+    }
+    times.sort_by(f64::total_cmp);
+    println!("cold tiles of eq2, {clients} clients: p50 {:.1} ms, p99 {:.1} ms", times[times.len() / 2], times[times.len() * 99 / 100]);
+}
+
 #[tokio::main]
 async fn main() {
     let folder = tempfile::tempdir().unwrap();
@@ -90,6 +115,8 @@ async fn main() {
     config.server.data = folder.path().to_path_buf();
     let server = listen(router(App::load(&config).await.unwrap())).await;
     latencies(&server).await;
+    crowd(&server, 1, 900).await;
+    crowd(&server, 16, 950).await;
 
     let (mut stream, mut tile) = (TcpStream::connect(&server).await.unwrap(), Vec::new());
     let length = ask(&mut stream, TILE, &mut tile).await;

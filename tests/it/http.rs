@@ -157,7 +157,7 @@ async fn wrong_requests_are_told_what_would_be_right() {
         ("/worlds/alps/web/r32/1/0/0.bin?filter=none", "400 filter: must be band or exact, got \"none\""),
         (
             "/worlds/alps/web/r32/1/0/0.bin?fliter=exact",
-            "400 fliter: unknown field `fliter`, expected one of `filter`, `surface`, `page`, `order`, `rows`, `extensions`",
+            "400 fliter: unknown field `fliter`, expected one of `filter`, `surface`, `page`, `rounding`, `order`, `rows`, `extensions`",
         ),
         ("/worlds/alps/elevation", "400 x: a point is given by x and y (metres) or by lon and lat (degrees)"),
         ("/worlds/alps/elevation?lon=1.2", "400 lat: a point is given by x and y (metres) or by lon and lat (degrees)"),

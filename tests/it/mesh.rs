@@ -294,7 +294,7 @@ async fn cesium_finds_meshes_through_layer_json() {
     for (grid, projection, columns) in [("geo", "EPSG:4326", 2), ("web", "EPSG:3857", 1)] {
         let layer = client.get(&format!("/worlds/alps/{grid}/quantized-mesh/layer.json")).await.json();
         assert_eq!((&layer["format"], &layer["scheme"], &layer["projection"]), (&json!("quantized-mesh-1.0"), &json!("tms"), &json!(projection)));
-        assert_eq!(layer["extensions"], json!(["octvertexnormals", "watermask", "metadata"]));
+        assert_eq!(layer["extensions"], json!(["octvertexnormals", "watermask"]));
         let available = layer["available"].as_array().unwrap();
         assert_eq!(available.len(), 25);
         assert_eq!(available[3], json!([{"startX": 0, "startY": 0, "endX": 8 * columns - 1, "endY": 7}]));

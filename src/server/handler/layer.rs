@@ -59,7 +59,9 @@ struct LayerSchema {
     projection: &'static str,
     /// One absolute URL template.
     tiles: [String; 1],
-    extensions: [&'static str; 3],
+    /// What meshes hold when it is asked for. `metadata`, which they hold too, is left out: it would only say again what `available` does, and with it clients look for
+    /// `metadataAvailability` instead.
+    extensions: [&'static str; 2],
     minzoom: u8,
     maxzoom: u8,
     /// Degrees: west, south, east, north.
@@ -95,6 +97,7 @@ pub(crate) async fn get_layer(
         Some("water") => ("?surface=water", Height::Water),
         Some(other) => return Err(ApiError::parameter("surface", format!("must be ground or water, got {other:?}"))),
     };
+    let [normals, water_mask, _] = MeshExtensions::NAMES;
     let (document, is_geo) = (live.world.document(), grid == Grid::Geo);
     let template = super::tile::template(&live, grid.name(), Tileset::QuantizedMesh, (Image::Png, Rounding::Steps), query.live.is_some());
     let all = |z| grid.size(z).map(|size| size - 1);
@@ -110,7 +113,7 @@ pub(crate) async fn get_layer(
         scheme: "tms",
         projection: if is_geo { "EPSG:4326" } else { "EPSG:3857" },
         tiles: [links.to(&(template + surface))],
-        extensions: MeshExtensions::NAMES,
+        extensions: [normals, water_mask],
         minzoom: 0,
         maxzoom: MAX_MESH_ZOOM,
         bounds: [-180.0, -north, 180.0, north],
