@@ -47,11 +47,14 @@ async function raster(path, Type) {
 }
 
 /** Keeps a screenshot, and says that it shows something of many colours. */
-async function assertPicture(page, name) {
-  const picture = await page.screenshot({ path: new URL(`client-${name}.png`, OUT).pathname });
+async function assertPicture(name, picture) {
+  await writeFile(new URL(`client-${name}.png`, OUT), picture);
   const { colours, deviation } = await browser.measure(picture);
   assert.ok(colours > 1000 && deviation > 15, `${name}: ${colours} colours, deviation ${deviation}`);
 }
+
+/** What a data URL holds. */
+const bytes = (url) => Buffer.from(url.split(',')[1], 'base64');
 
 const worst = (differences) => differences.reduce((a, b) => Math.max(a, Math.abs(b)), 0);
 
@@ -67,7 +70,7 @@ test('MapLibre GL JS', { timeout: 120_000 }, async (t) => {
     const { map } = window.snippet;
     return places.map((place) => map.queryTerrainElevation(place) / map.getTerrain().exaggeration);
   }, PLACES);
-  await assertPicture(page, 'maplibre');
+  await assertPicture('maplibre', await page.screenshot());
   await page.context().close();
 
   // MapLibre draws lines between the samples of a tile, which lie in the middle of pixels.
@@ -100,7 +103,7 @@ test('deck.gl', { timeout: 120_000 }, async (t) => {
       skirt: mesh.header.boundingBox[0][2],
     }));
   });
-  await assertPicture(page, 'deckgl');
+  await assertPicture('deckgl', await page.screenshot());
   await page.context().close();
 
   const side = 256;
@@ -186,7 +189,7 @@ async function drawViews(t, page, grid, views, skirts, name) {
   const pictures = {};
   for (const view of views) {
     const { picture, ...got } = await page.evaluate(draw, { ...view, skirts });
-    pictures[view.name] = Buffer.from(picture.split(',')[1], 'base64');
+    pictures[view.name] = bytes(picture);
     await writeFile(new URL(`client-cesium-${grid}-${view.name}-${name}.png`, OUT), pictures[view.name]);
     t.diagnostic(`${grid} ${view.name}, ${name}: ${got.background} pixels of background; ${got.tiles} tiles of levels ${got.levels}`);
     assert.equal(got.levels.length === 1, view.even === true, `${view.name} shows levels ${got.levels}`);
@@ -196,23 +199,23 @@ async function drawViews(t, page, grid, views, skirts, name) {
   return pictures;
 }
 
-async function globe(at, grid) {
+async function bareGlobe(at) {
   const page = await browser.open('cesium?shown=viewer,Cesium', FINE, [], at.url);
   await page.waitForFunction(() => window.snippet);
   await page.evaluate(undress);
-  if (grid === 'geo') {
-    await page.evaluate(async (url) => {
-      const { viewer, Cesium } = window.snippet;
-      viewer.terrainProvider = await Cesium.CesiumTerrainProvider.fromUrl(url, { requestVertexNormals: true, requestMetadata: false });
-    }, `${server.url}/worlds/${WORLD}/geo/quantized-mesh`);
-  }
   return page;
+}
+
+/** In the page: the other grid instead of the snippet's. */
+async function takeGeo(url) {
+  const { viewer, Cesium } = window.snippet;
+  viewer.terrainProvider = await Cesium.CesiumTerrainProvider.fromUrl(url, { requestVertexNormals: true, requestMetadata: false });
 }
 
 test('Cesium draws the snippet', { timeout: 120_000 }, async () => {
   const page = await browser.open('cesium?shown=viewer', SMALL);
   await page.waitForFunction(() => window.snippet);
-  await page.evaluate(async () => {
+  const picture = await page.evaluate(async () => {
     const { viewer } = window.snippet;
     const { scene } = viewer;
     // Its own loop leaves a slow machine no time for the tiles.
@@ -222,27 +225,31 @@ test('Cesium draws the snippet', { timeout: 120_000 }, async () => {
       still = scene.globe.tilesLoaded && scene.globe._surface._tilesToRender.length > 0 ? still + 1 : 0;
       await new Promise((resolve) => { setTimeout(resolve, 50); });
     }
+    return scene.canvas.toDataURL('image/png');
   });
-  await assertPicture(page, 'cesium');
+  await assertPicture('cesium', bytes(picture));
   await page.context().close();
 });
 
-for (const grid of ['web', 'geo']) {
-  test(`Cesium draws ${grid} without gaps`, { timeout: 120_000 }, async (t) => {
-    const views = grid === 'web' ? VIEWS : VIEWS.filter(({ name }) => ['down', 'oblique'].includes(name));
-    const page = await globe(site, grid);
-    const covered = await drawViews(t, page, grid, views, true, 'skirts');
+test('Cesium draws without gaps, with and without skirts', { timeout: 240_000 }, async (t) => {
+  const grids = { web: VIEWS, geo: VIEWS.filter(({ name }) => ['down', 'oblique'].includes(name)) };
+  const drawn = { skirts: {}, bare: {} };
+  for (const [name, at] of [['skirts', site], ['bare', exactSite]]) {
+    const page = await bareGlobe(at);
+    for (const [grid, views] of Object.entries(grids)) {
+      if (grid === 'geo') await page.evaluate(takeGeo, `${server.url}/worlds/${WORLD}/geo/quantized-mesh`);
+      drawn[name][grid] = await drawViews(t, page, grid, views, name === 'skirts', name);
+    }
     await page.context().close();
-    const exact = await globe(exactSite, grid);
-    const bare = await drawViews(t, exact, grid, views, false, 'bare');
-    await exact.context().close();
+  }
+  for (const [grid, views] of Object.entries(grids)) {
     for (const { name } of views) {
-      const { difference } = await browser.measure(bare[name], covered[name]);
+      const { difference } = await browser.measure(drawn.bare[grid][name], drawn.skirts[grid][name]);
       t.diagnostic(`${grid} ${name}: with and without skirts differ by ${difference.toFixed(4)} of 255`);
       assert.ok(difference < 0.25, `${name}: ${difference}`);
     }
-  });
-}
+  }
+});
 
 test('Cesium reads the heights of the server', { timeout: 120_000 }, async (t) => {
   const page = await browser.open('cesium?shown=viewer,Cesium', SMALL);
@@ -279,6 +286,17 @@ test('Cesium reads the heights of the server', { timeout: 120_000 }, async (t) =
   t.diagnostic(`most detailed: off by ${difference.toFixed(4)} m at most`);
   assert.ok(difference <= levelZeroTolerance / 2 ** 24 + edgeStep, `${difference} m`);
   await page.context().close();
+});
+
+test('Cesium takes meshes with metadata, as it asks for them by default', { todo: 'layer.json offers metadata without metadataAvailability' }, async () => {
+  const page = await browser.open('cesium?shown=Cesium', SMALL);
+  await page.waitForFunction(() => window.snippet);
+  const fault = await page.evaluate(async (url) => {
+    const provider = await window.snippet.Cesium.CesiumTerrainProvider.fromUrl(url);
+    return provider.requestTileGeometry(0, 0, 0).then(() => '', ({ message }) => message);
+  }, `${server.url}/worlds/${WORLD}/web/quantized-mesh`);
+  await page.context().close();
+  assert.equal(fault, '');
 });
 
 test('nothing went wrong on the way, in the pages or in the server\'s log', () => {
