@@ -23,7 +23,7 @@ export async function startBrowser(url, more = [], friends = []) {
   async function open(hash, options = {}, tolerated = [], origin = url) {
     const context = await browser.newContext({ viewport: { width: 900, height: 640 }, ...options });
     const page = await context.newPage();
-    page.setDefaultTimeout(60_000);
+    page.setDefaultTimeout(120_000);
     const note = (text) => {
       if (!tolerated.some((part) => text.includes(part))) faults.push(text);
     };

@@ -42,12 +42,19 @@ export async function snippet(section, language = 'js') {
   return code;
 }
 
+/** Ten frames a second at most: without a graphics card, more leave no time for what has to be drawn. */
+const SLOW = `<script>{
+  const frame = requestAnimationFrame;
+  window.requestAnimationFrame = (run) => setTimeout(() => frame(run), 100);
+  window.cancelAnimationFrame = clearTimeout;
+}</script>`;
+
 /** A page that runs a section's snippet against a server and then offers `shown`, names of its variables, to the test. */
 async function page(section, server, shown) {
   const { imports, head } = HEADS[section];
   const code = (await snippet(section)).replaceAll(DOCUMENTED, server);
   return `<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><style>html, body, #map { margin: 0; height: 100%; overflow: hidden }</style>
-<script type="importmap">${JSON.stringify({ imports })}</script>${head}
+<script type="importmap">${JSON.stringify({ imports })}</script>${SLOW}${head}
 <div id="map"></div>
 <script type="module">
 ${code}
