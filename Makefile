@@ -39,6 +39,7 @@ unit: viewer
 browser: viewer
 	$(CARGO) build --release
 	TERRANE_BIN="$${CARGO_TARGET_DIR:-$(CURDIR)/target}/release/terrane" tests/browser/run
+	TERRANE_BIN="$${CARGO_TARGET_DIR:-$(CURDIR)/target}/release/terrane" tests/clients/gdal
 
 # The long forms: hours of what `make test` does in seconds.
 soak:

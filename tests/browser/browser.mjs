@@ -4,8 +4,8 @@ import { chromium } from 'playwright-core';
 
 const OUT = fileURLToPath(new URL('out/', import.meta.url));
 
-/** One Chromium with software rendering, and a record of everything that goes wrong in its pages. */
-export async function startBrowser(url, more = []) {
+/** One Chromium with software rendering, and a record of everything that goes wrong in its pages. They may ask `friends`, other origins, too. */
+export async function startBrowser(url, more = [], friends = []) {
   await mkdir(OUT, { recursive: true });
   const browser = await chromium.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
@@ -19,11 +19,11 @@ export async function startBrowser(url, more = []) {
   const blank = await browser.newPage(); // where pictures are measured
   const faults = [];
 
-  /** `tolerated` are texts of faults that the test provokes. */
-  async function open(hash, options = {}, tolerated = []) {
+  /** `tolerated` are texts of faults that the test provokes; `origin` is a friend's. */
+  async function open(hash, options = {}, tolerated = [], origin = url) {
     const context = await browser.newContext({ viewport: { width: 900, height: 640 }, ...options });
     const page = await context.newPage();
-    page.setDefaultTimeout(60_000);
+    page.setDefaultTimeout(120_000);
     const note = (text) => {
       if (!tolerated.some((part) => text.includes(part))) faults.push(text);
     };
@@ -33,17 +33,17 @@ export async function startBrowser(url, more = []) {
     page.on('pageerror', (error) => note(`page error: ${error.stack}`));
     page.on('requestfailed', (request) => {
       const reason = request.failure()?.errorText;
-      // MapLibre cancels tiles that have left the view, a closed gallery its pictures; nothing else may be cancelled.
-      const cancelled = reason === 'net::ERR_ABORTED' && /\/web\/(terrarium|contours|features)\/|\/preview\.png/.test(request.url());
+      // Maps cancel tiles that have left the view, a closed gallery its pictures; nothing else may be cancelled.
+      const cancelled = reason === 'net::ERR_ABORTED' && /\/web\/(terrarium|contours|features|relief|quantized-mesh)\/|\/preview\.png/.test(request.url());
       if (!cancelled) note(`failed: ${request.url()} ${reason}`);
     });
     page.on('response', (response) => {
       if (response.status() >= 400) note(`answer: ${response.status()} ${response.url()}`);
     });
     page.on('request', (request) => {
-      if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(`${url}/`)) note(`foreign: ${request.url()}`);
+      if (!/^(data|blob):/.test(request.url()) && ![url, ...friends].some((origin) => request.url().startsWith(`${origin}/`))) note(`foreign: ${request.url()}`);
     });
-    await page.goto(`${url}/${hash}`);
+    await page.goto(`${origin}/${hash}`);
     return page;
   }
 
