@@ -209,7 +209,7 @@ async function bareGlobe(at) {
 /** In the page: the other grid instead of the snippet's. */
 async function takeGeo(url) {
   const { viewer, Cesium } = window.snippet;
-  viewer.terrainProvider = await Cesium.CesiumTerrainProvider.fromUrl(url, { requestVertexNormals: true, requestMetadata: false });
+  viewer.terrainProvider = await Cesium.CesiumTerrainProvider.fromUrl(url, { requestVertexNormals: true });
 }
 
 test('Cesium draws the snippet', { timeout: 180_000 }, async () => {
@@ -288,7 +288,7 @@ test('Cesium reads the heights of the server', { timeout: 180_000 }, async (t) =
   await page.context().close();
 });
 
-test('Cesium takes meshes with metadata, as it asks for them by default', { todo: 'layer.json offers metadata without metadataAvailability' }, async () => {
+test('Cesium reads meshes without options', async () => {
   const page = await browser.open('cesium?shown=Cesium', SMALL);
   await page.waitForFunction(() => window.snippet);
   const fault = await page.evaluate(async (url) => {
