@@ -2,7 +2,7 @@
 
 use super::{
     error::ApiError,
-    extract::{Known, path},
+    extract::{Known, Parameters},
     state::App,
 };
 use crate::{
@@ -14,7 +14,6 @@ use axum::{
     http::{HeaderMap, header, request::Parts},
 };
 use serde::Deserialize;
-use std::collections::HashMap;
 
 /// The grid and tileset of a path.
 pub(super) struct TilesetPath {
@@ -23,9 +22,7 @@ pub(super) struct TilesetPath {
 }
 
 impl TilesetPath {
-    fn parse(parameters: &HashMap<String, String>) -> Result<Self, ApiError> {
-        let get = |name: &str| parameters.get(name).map_or("", String::as_str);
-        let (grid, tileset) = (get("grid"), get("tileset"));
+    fn parse(grid: &str, tileset: &str) -> Result<Self, ApiError> {
         let list = |names: Vec<&str>| names.join(", ");
         let grid = Grid::from_name(grid).ok_or_else(|| {
             ApiError::absent("grid", format!("no grid is named {grid:?}; there are {}", list(Grid::ALL.iter().map(|grid| grid.name()).collect())))
@@ -46,7 +43,8 @@ impl FromRequestParts<App> for TilesetPath {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
-        Self::parse(&path(parts).await?)
+        let parameters = Parameters::of(parts).await?;
+        Self::parse(parameters.get("grid"), parameters.get("tileset"))
     }
 }
 
@@ -57,9 +55,8 @@ impl FromRequestParts<App> for GlobePath {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
-        let mut parameters = path(parts).await?;
-        parameters.insert("tileset".to_owned(), Tileset::QuantizedMesh.name().to_owned());
-        Ok(Self(TilesetPath::parse(&parameters)?.grid))
+        let parameters = Parameters::of(parts).await?;
+        Ok(Self(TilesetPath::parse(parameters.get("grid"), Tileset::QuantizedMesh.name())?.grid))
     }
 }
 
@@ -145,12 +142,11 @@ impl FromRequestParts<App> for TilePath {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, ApiError> {
-        let parameters = path(parts).await?;
+        let parameters = Parameters::of(parts).await?;
         let Known(query) = Known::<TileQuery>::from_request_parts(parts, app).await?;
-        let TilesetPath { grid, tileset } = TilesetPath::parse(&parameters)?;
-        let get = |name: &str| parameters.get(name).map_or("", String::as_str);
-        let File { y, samples, image, is_sidecar } = File::parse(get("y"), tileset)?;
-        let tile = Tile { z: parse_zoom(get("z"))?, x: parse_index("x", get("x"))?, y };
+        let TilesetPath { grid, tileset } = TilesetPath::parse(parameters.get("grid"), parameters.get("tileset"))?;
+        let File { y, samples, image, is_sidecar } = File::parse(parameters.get("y"), tileset)?;
+        let tile = Tile { z: parse_zoom(parameters.get("z"))?, x: parse_index("x", parameters.get("x"))?, y };
         let tile = if tileset == Tileset::QuantizedMesh { from_the_south(grid, tile)? } else { tile };
         grid.check(tile).map_err(|error| ApiError::absent("tile", error.to_string()))?;
         let (filter, height) = (query.filter()?, query.height(tileset)?);

@@ -1,6 +1,6 @@
 //! Errors by who caused them, and their form on the wire: `application/problem+json` (RFC 9457).
 
-use super::{budget::Spent, compute::Panicked, schema, shelf::LoadError, tiles::TileFailure};
+use super::{budget::Spent, compute::Panicked, observe, schema, shelf::LoadError, tiles::TileFailure};
 use crate::{
     store::{Kind, Scope, StoreError},
     world::{DocumentError, Problem},
@@ -71,7 +71,7 @@ impl ApiError {
 
     /// A failure that is logged here, once, and not told.
     pub(super) fn internal(what: &str, error: &dyn std::fmt::Display) -> Self {
-        tracing::error!(%error, "{what}");
+        tracing::error!(id = observe::id(), %error, "{what}");
         ApiError::Internal
     }
 

@@ -15,17 +15,26 @@ use crate::{
 };
 use axum::{
     body::{Bytes, HttpBody},
-    extract::{FromRequest, FromRequestParts, Path, Query, Request, rejection::BytesRejection},
+    extract::{FromRequest, FromRequestParts, Query, RawPathParams, Request, rejection::BytesRejection},
     http::{HeaderMap, StatusCode, header, request::Parts},
 };
 use serde::de::DeserializeOwned;
-use std::{collections::HashMap, convert::Infallible, marker::PhantomData, sync::Arc, time::Instant};
+use std::{convert::Infallible, marker::PhantomData, sync::Arc, time::Instant};
 
 /// Path parameters by name.
-pub(super) async fn path(parts: &mut Parts) -> Result<HashMap<String, String>, ApiError> {
-    match Path::<HashMap<String, String>>::from_request_parts(parts, &()).await {
-        Ok(Path(parameters)) => Ok(parameters),
-        Err(_) => Err(ApiError::NotFound("There is nothing at a path that is not UTF-8.".to_owned(), Vec::new())),
+pub(super) struct Parameters(RawPathParams);
+
+impl Parameters {
+    pub(super) async fn of(parts: &mut Parts) -> Result<Self, ApiError> {
+        match RawPathParams::from_request_parts(parts, &()).await {
+            Ok(parameters) => Ok(Self(parameters)),
+            Err(_) => Err(ApiError::NotFound("There is nothing at a path that is not UTF-8.".to_owned(), Vec::new())),
+        }
+    }
+
+    /// A parameter, decoded; empty if the path has none of this name.
+    pub(super) fn get(&self, name: &str) -> &str {
+        self.0.iter().find(|(key, _)| *key == name).map_or("", |(_, value)| value)
     }
 }
 
@@ -60,7 +69,7 @@ impl<T: Shelved> FromRequestParts<App> for NameOf<T> {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
-        let name = path(parts).await?.remove(T::KIND.noun()).unwrap_or_default();
+        let name = Parameters::of(parts).await?.get(T::KIND.noun()).to_owned();
         check_name("a name", &name).map_err(|detail| ApiError::parameter(T::KIND.noun(), detail))?;
         Ok(Self { name, kind: PhantomData })
     }
@@ -83,8 +92,9 @@ impl<T: Shelved> FromRequestParts<App> for Present<T> {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, ApiError> {
-        let name = path(parts).await?.remove(T::KIND.noun()).unwrap_or_default();
-        T::shelf(app).get(&name).map(Self).ok_or_else(|| unknown(T::shelf(app), &name))
+        let parameters = Parameters::of(parts).await?;
+        let name = parameters.get(T::KIND.noun());
+        T::shelf(app).get(name).map(Self).ok_or_else(|| unknown(T::shelf(app), name))
     }
 }
 
@@ -99,10 +109,11 @@ impl FromRequestParts<App> for WorldAt {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, ApiError> {
-        let segment = path(parts).await?.remove("world").unwrap_or_default();
+        let parameters = Parameters::of(parts).await?;
+        let segment = parameters.get("world");
         let worlds = &app.0.worlds;
         let Some((name, revision)) = segment.split_once('@') else {
-            let live = worlds.shelf.get(&segment).ok_or_else(|| unknown(&worlds.shelf, &segment))?;
+            let live = worlds.shelf.get(segment).ok_or_else(|| unknown(&worlds.shelf, segment))?;
             return Ok(Self { live, pinned: false });
         };
         if worlds.shelf.get(name).is_none() {
@@ -130,8 +141,8 @@ impl FromRequestParts<App> for FeatureAt {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
-        let mut parameters = path(parts).await?;
-        Ok(Self { world: parameters.remove("world").unwrap_or_default(), id: parameters.remove("id").unwrap_or_default() })
+        let parameters = Parameters::of(parts).await?;
+        Ok(Self { world: parameters.get("world").to_owned(), id: parameters.get("id").to_owned() })
     }
 }
 

@@ -17,7 +17,6 @@ use std::{
     },
     time::Instant,
 };
-use tracing::Instrument;
 
 const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
 const TRACE_PARENT: &str = "traceparent";
@@ -25,29 +24,36 @@ const TRACE_PARENT: &str = "traceparent";
 /// Most characters of a request's id.
 const MAX_ID: usize = 128;
 
+tokio::task_local! {
+    /// The id of the request that a task answers. A span of `tracing` would write it down for every request, whether or not there is anything to log.
+    static ID: HeaderValue;
+}
+
+/// The id of the request that this task answers; empty if it answers none.
+pub(super) fn id() -> String {
+    ID.try_with(|id| id.to_str().unwrap_or_default().to_owned()).unwrap_or_default()
+}
+
 /// Counts, times and logs a request. Its id is that of the client or proxy, the trace's, or a new one; answers and lines of the log carry it.
 pub(super) async fn observe(State(app): State<App>, request: Request, next: Next) -> Response {
     let begun = Instant::now();
     let id = request_id(request.headers());
     let (method, route) = (name(request.method()), route(&request));
-    let path = request.uri().path().to_owned();
-    let span = tracing::info_span!("request", id = id.to_str().unwrap_or_default(), method, path);
-    let answered = AssertUnwindSafe(next.run(request)).catch_unwind().instrument(span.clone()).await;
+    let uri = request.uri().clone();
+    let answered = ID.scope(id.clone(), AssertUnwindSafe(next.run(request)).catch_unwind()).await;
     let mut response = answered.unwrap_or_else(|payload| {
         app.0.metrics.panicked("handler");
-        span.in_scope(|| ApiError::internal("a handler panicked", &panic_message(&*payload))).into_response()
+        ID.sync_scope(id.clone(), || ApiError::internal("a handler panicked", &panic_message(&*payload))).into_response()
     });
-    let (status, took) = (response.status(), begun.elapsed());
-    app.0.metrics.answered(method, &route, status.as_u16(), took);
-    span.in_scope(|| {
-        let (status, milliseconds) = (status.as_u16(), took.as_secs_f64() * 1e3);
-        // Refusals come by the thousand when there is no time to write of them; they are counted.
-        if status >= 500 && status != 503 {
-            tracing::warn!(status, milliseconds, "answered");
-        } else {
-            tracing::debug!(status, milliseconds, "answered");
-        }
-    });
+    let (status, took) = (response.status().as_u16(), begun.elapsed());
+    app.0.metrics.answered(method, &route, status, took);
+    let (id_text, path, milliseconds) = (id.to_str().unwrap_or_default(), uri.path(), took.as_secs_f64() * 1e3);
+    // Refusals come by the thousand when there is no time to write of them; they are counted.
+    if status >= 500 && status != 503 {
+        tracing::warn!(id = id_text, status, method, path, milliseconds, "answered");
+    } else {
+        tracing::debug!(id = id_text, status, method, path, milliseconds, "answered");
+    }
     response.headers_mut().insert(REQUEST_ID, id);
     response
 }

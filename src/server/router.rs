@@ -14,6 +14,7 @@ use axum::{
     http::{HeaderName, Method, header},
     middleware,
 };
+use tower::ServiceBuilder;
 use tower_http::cors::{AllowHeaders, Any as AnyOrigin, CorsLayer};
 use utoipa::{
     OpenApi,
@@ -129,12 +130,14 @@ fn cors(methods: &[Method]) -> CorsLayer {
 pub fn router(app: App) -> Router {
     let read = [Method::GET, Method::HEAD];
     let guarded = |router: OpenApiRouter<App>, methods: &[Method]| {
-        Router::from(router)
-            .method_not_allowed_fallback(async || ApiError::MethodNotAllowed)
-            .layer(DefaultBodyLimit::max(app.0.world_bytes))
-            .layer(middleware::from_fn_with_state(app.clone(), guard))
+        // One layer of four: each that a router is given by itself costs every request another box.
+        let layers = ServiceBuilder::new()
+            .layer(middleware::from_fn_with_state(app.clone(), observe))
             .layer(cors(methods))
+            .layer(middleware::from_fn_with_state(app.clone(), guard))
+            .layer(DefaultBodyLimit::max(app.0.world_bytes));
+        Router::from(router).method_not_allowed_fallback(async || ApiError::MethodNotAllowed).layer(layers)
     };
     let asked = guarded(questions(), &[read.as_slice(), &[Method::POST]].concat());
-    guarded(others().fallback(viewer::get_file), &read).merge(asked).layer(middleware::from_fn_with_state(app.clone(), observe)).with_state(app)
+    guarded(others().fallback(viewer::get_file), &read).merge(asked).with_state(app)
 }

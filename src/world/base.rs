@@ -2,6 +2,7 @@
 
 use super::{
     number::{whole, whole_pair},
+    object::Object,
     problem::{Checks, Problem},
 };
 use crate::{geometry::PLANE_LIMIT, programme::Programme};
@@ -67,8 +68,8 @@ pub(super) struct WrittenBase<'a> {
 }
 
 /// Checks and completes a vertical range and the elevation of the sea's surface.
-pub(super) fn vertical(range: Option<WrittenRange>, sea_level: Option<f64>, checks: &mut Checks) -> (ElevationRange, f64) {
-    let range = range.unwrap_or_default();
+pub(super) fn vertical(range: Option<Object<WrittenRange>>, sea_level: Option<f64>, checks: &mut Checks) -> (ElevationRange, f64) {
+    let Object(range) = range.unwrap_or_default();
     let elevation = ElevationRange { min: range.min.unwrap_or(-10_000.0), max: range.max.unwrap_or(9_000.0) };
     let sea_level = sea_level.unwrap_or(0.0);
     for (pointer, value) in [("/elevation/min", elevation.min), ("/elevation/max", elevation.max), ("/sea_level", sea_level)] {

@@ -4,6 +4,7 @@ use super::{
     base::{Base, ElevationRange, WrittenBase, WrittenRange, vertical},
     layer::{FeatureSets, Layer, Setting, WrittenLayer, layers},
     number::{optional_whole_number, whole, whole_number},
+    object::Object,
     problem::{Checks, DocumentError, check_cost, read},
     revision::Revision,
 };
@@ -109,12 +110,12 @@ struct Written<'a> {
     seed: u64,
     #[serde(default, deserialize_with = "optional_whole_number")]
     generator: Option<u64>,
-    elevation: Option<WrittenRange>,
+    elevation: Option<Object<WrittenRange>>,
     sea_level: Option<f64>,
     #[serde(borrow)]
-    base: WrittenBase<'a>,
+    base: Object<WrittenBase<'a>>,
     #[serde(borrow)]
-    layers: Option<Vec<WrittenLayer<'a>>>,
+    layers: Option<Vec<Object<WrittenLayer<'a>>>>,
 }
 
 impl Written<'_> {
@@ -131,7 +132,7 @@ impl Written<'_> {
         {
             checks.length(pointer, text.as_deref().unwrap_or_default(), most);
         }
-        let base = self.base.complete("/base", &mut checks);
+        let base = self.base.0.complete("/base", &mut checks);
         // Layers may take long to make, so what else is wrong is said first.
         let setting = Setting { seed: self.seed, sea_level, sets };
         let layers = if checks.0.is_empty() { layers(self.layers.unwrap_or_default(), &setting, &mut checks) } else { Vec::new() };
@@ -181,6 +182,11 @@ mod tests {
             r#"{"seed":7,"base":{"program":"x","scale":10}}"#,
             "/base/program: unknown field `program`, expected one of `programme`, `scale`, `origin`, `amplitude`, `datum` (did you mean `programme`?)",
         );
+        // Readers that are derived would take the fields in the order of their declaration.
+        check(r#"{"seed":7,"base":["x",10,null,null,null]}"#, "/base: invalid type: sequence, expected an object");
+        check(r#"[null,null,null,7,1,null,null,{"programme":"x","scale":10},null]"#, "/: invalid type: sequence, expected an object");
+        check(&format!(r#"{{"seed":7,"elevation":[null,9],{BASE}}}"#), "/elevation: invalid type: sequence, expected an object");
+        check(&format!(r#"{{"seed":7,{BASE},"layers":[["a"]]}}"#), "/layers/0: invalid type: sequence, expected an object");
         check(&format!("{{{BASE}}}"), "/seed: missing field `seed`");
         check(r#"{"seed":7,"base":{"scale":10}}"#, "/base/programme: missing field `programme`");
         check(&format!(r#"{{"seed":9007199254740992,{BASE}}}"#), "/seed: must be 0 … 2^53 - 1 = 9007199254740991, got 9007199254740992");

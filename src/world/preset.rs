@@ -6,6 +6,7 @@ use super::{
     document::{Document, MAX_DESCRIPTION, MAX_TITLE},
     name::check_name,
     number::{optional_whole_number, whole},
+    object::Object,
     problem::{Checks, DocumentError, check_cost, read},
     revision::Revision,
 };
@@ -132,7 +133,7 @@ struct Written<'a> {
     sea_level: Option<f64>,
     #[serde(default, deserialize_with = "optional_whole_number")]
     seed: Option<u64>,
-    elevation: Option<WrittenRange>,
+    elevation: Option<Object<WrittenRange>>,
 }
 
 impl Written<'_> {

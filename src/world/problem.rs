@@ -1,6 +1,6 @@
 //! What can be wrong with a document, and how it is told.
 
-use super::number::MAX_SEED;
+use super::{number::MAX_SEED, object::Object};
 use crate::{
     layout::geojson::{self, ReadError},
     programme::{ParseError, Programme},
@@ -108,7 +108,7 @@ impl Checks {
 /// Reads a document whose fields are all known.
 pub(super) fn read<'a, T: Deserialize<'a>>(json: &'a [u8]) -> Result<T, DocumentError> {
     let mut deserializer = serde_json::Deserializer::from_slice(json);
-    let written = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| structural_error(&error))?;
+    let Object(written) = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| structural_error(&error))?;
     deserializer.end().map_err(|error| DocumentError::Syntax(error.to_string()))?;
     Ok(written)
 }
@@ -116,7 +116,7 @@ pub(super) fn read<'a, T: Deserialize<'a>>(json: &'a [u8]) -> Result<T, Document
 /// Reads a part of a document that stands at a pointer; what is wrong is added to the checks.
 pub(super) fn read_value<T: DeserializeOwned>(value: serde_json::Value, at: &str, checks: &mut Checks) -> Option<T> {
     let error = match serde_path_to_error::deserialize(value) {
-        Ok(read) => return Some(read),
+        Ok(Object(read)) => return Some(read),
         Err(error) => structural_error(&error),
     };
     match error {

@@ -12,6 +12,7 @@ use crate::{
         state::App,
         worlds::Live,
     },
+    world::Object,
 };
 use axum::{
     Json,
@@ -144,7 +145,7 @@ fn on_plane([lon, lat]: [f64; 2]) -> Result<[f64; 2], String> {
 pub(crate) async fn post_elevation(State(app): State<App>, WorldAt { live, .. }: WorldAt, asker: Asker, Body(body): Body) -> Result<Response, ApiError> {
     let wrong = |pointer: String, detail: String| ApiError::BadRequest("The points are wrong.".to_owned(), vec![Entry::pointer(pointer, detail)]);
     let mut reader = serde_json::Deserializer::from_slice(&body);
-    let batch: BatchSchema = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+    let Object(batch): Object<BatchSchema> = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
         let path = error.path().to_string();
         let pointer = if path == "." { String::new() } else { format!("/{}", path.replace('[', "/").replace([']', '.'], "").replace("//", "/")) };
         wrong(pointer, error.into_inner().to_string())

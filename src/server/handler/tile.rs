@@ -20,6 +20,7 @@ use crate::{
     tile::{self, Image, Rounding, TileRequest, Tileset},
 };
 use axum::{
+    body::{Body, Bytes},
     extract::State,
     http::{HeaderMap, HeaderValue, Uri, header},
     response::Response,
@@ -94,7 +95,11 @@ pub(crate) async fn get_tile(
     if is_fresh(&headers, &tag) {
         return Ok(not_modified(&tag, freshness));
     }
-    let answer = move |bytes| tagged((described(&request), bytes), &tag, freshness);
+    let answer = move |bytes: Bytes| {
+        let mut response = Response::new(Body::from(bytes));
+        *response.headers_mut() = described(&request);
+        tagged(response, &tag, freshness)
+    };
     // What is at hand must not even be predicted.
     if let Some(bytes) = app.0.tiles.cached(&fingerprint).await {
         return Ok(answer(bytes));
@@ -126,7 +131,8 @@ pub(crate) async fn get_tile(
 fn described(request: &TileRequest) -> HeaderMap {
     let (media_type, extensions) = (request.tileset.media_type(request.options.image), request.options.mesh.list());
     let content = if extensions.is_empty() { media_type.to_owned() } else { format!("{media_type};extensions={extensions}") };
-    let mut headers = HeaderMap::new();
+    // Room for those that are added on the way out, too.
+    let mut headers = HeaderMap::with_capacity(16);
     headers.extend(HeaderValue::from_str(&content).ok().map(|value| (header::CONTENT_TYPE, value)));
     if request.tileset == Tileset::QuantizedMesh {
         headers.insert(header::VARY, HeaderValue::from_static("accept"));

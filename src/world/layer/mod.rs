@@ -14,7 +14,7 @@ pub(super) use generator::generator_problem;
 pub use item::FeatureSets;
 pub use mask::Mask;
 
-use super::{Document, name::check_name, number::whole, problem::Checks, revision::Revision};
+use super::{Document, name::check_name, number::whole, object::Object, problem::Checks, revision::Revision};
 use crate::{
     geometry::{PLANE_LIMIT, Rectangle, Window},
     layout::{
@@ -74,10 +74,10 @@ impl PartialEq for Layer {
 pub(super) struct WrittenLayer<'a> {
     name: String,
     #[serde(borrow)]
-    source: WrittenSource<'a>,
+    source: Object<WrittenSource<'a>>,
     blend: Option<Blend>,
     priority: Option<i32>,
-    mask: Option<Mask>,
+    mask: Option<Object<Mask>>,
     fade: Option<f64>,
 }
 
@@ -98,27 +98,28 @@ impl WrittenLayer<'_> {
         }
         let fade = self.fade.unwrap_or(0.0);
         checks.range(&format!("{at}/fade"), fade, 0.0, PLANE_LIMIT);
-        if let Some(mask) = &self.mask
+        let mask = self.mask.map(|Object(mask)| mask);
+        if let Some(mask) = &mask
             && let Err(detail) = mask.check()
         {
             checks.add(&format!("{at}/mask/polygon"), detail);
         }
-        let Completed { source, ground, features } = complete(self.source, &format!("{at}/source"), setting, checks)?;
+        let Completed { source, ground, features } = complete(self.source.0, &format!("{at}/source"), setting, checks)?;
         let (blend, priority) = (self.blend.unwrap_or_default(), self.priority.unwrap_or(0));
-        let form = Revision::of(&(blend, &self.mask, fade, ground.form()));
-        (checks.0.len() == before).then_some(Layer { name: self.name, source, blend, priority, mask: self.mask, fade, ground, features, form })
+        let form = Revision::of(&(blend, &mask, fade, ground.form()));
+        (checks.0.len() == before).then_some(Layer { name: self.name, source, blend, priority, mask, fade, ground, features, form })
     }
 }
 
 /// Checks and completes the layers of a document.
-pub(super) fn layers(written: Vec<WrittenLayer>, setting: &Setting, checks: &mut Checks) -> Vec<Layer> {
+pub(super) fn layers(written: Vec<Object<WrittenLayer>>, setting: &Setting, checks: &mut Checks) -> Vec<Layer> {
     if written.len() > MAX_LAYERS {
         checks.add("/layers", format!("must be at most {MAX_LAYERS} layers, got {}", written.len()));
         return Vec::new();
     }
     let mut names = BTreeSet::new();
     let mut layers = Vec::new();
-    for (i, layer) in written.into_iter().enumerate() {
+    for (i, Object(layer)) in written.into_iter().enumerate() {
         let at = format!("/layers/{i}");
         if !names.insert(layer.name.clone()) {
             checks.add(&format!("{at}/name"), format!("{:?} is the name of another layer", layer.name));

@@ -14,6 +14,7 @@ use crate::{
     },
     noise,
     world::{
+        object::Object,
         problem::{Checks, whole_numbers},
         revision::Revision,
     },
@@ -35,7 +36,7 @@ const FEW: usize = 4096;
 #[serde(deny_unknown_fields)]
 pub(super) struct WrittenSource<'a> {
     #[serde(borrow)]
-    layout: WrittenLayout<'a>,
+    layout: Object<WrittenLayout<'a>>,
 }
 
 /// The features of a layer that were drawn.
@@ -83,7 +84,7 @@ struct WrittenLayout<'a> {
     #[serde(borrow)]
     features: Option<Vec<&'a RawValue>>,
     #[serde(borrow)]
-    scatter: Option<WrittenScatter<'a>>,
+    scatter: Option<Object<WrittenScatter<'a>>>,
     mix: Option<WrittenMix>,
     base: Option<Beneath>,
     defaults: Option<BTreeMap<String, Vec<f64>>>,
@@ -103,7 +104,7 @@ struct WrittenScatter<'a> {
 
 /// Checks and completes a source; makes its terrain unless that is there already or something is wrong.
 pub(super) fn complete(written: WrittenSource, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
-    let (layout, at) = (written.layout, format!("{at}/layout"));
+    let (Object(layout), at) = (written.layout, format!("{at}/layout"));
     match (&layout.features, &layout.scatter) {
         (Some(_), None) => features(layout, &at, setting, checks),
         (None, Some(_)) => scatter(layout, &at, setting, checks),
@@ -165,7 +166,7 @@ fn scatter(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Che
             checks.add(&format!("{at}/{field}"), "has no meaning beside scatter");
         }
     }
-    let (written, at) = (written.scatter?, format!("{at}/scatter"));
+    let (Object(written), at) = (written.scatter?, format!("{at}/scatter"));
     let before = checks.0.len();
     checks.range(&format!("{at}/cell"), written.cell, 1.0, PLANE_LIMIT / 1024.0);
     let (seed, chance) = (written.seed.unwrap_or(0), written.chance.unwrap_or(1.0));
