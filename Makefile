@@ -71,7 +71,7 @@ peers: viewer
 
 # The program without libraries to load, and the test of the image that holds it. Needs buildah.
 image: viewer
-	RUSTFLAGS="-C target-feature=+crt-static" $(CARGO) build --release --locked --target "$$(rustc --print host-tuple)"
+	RUSTFLAGS="-C target-feature=+crt-static" $(CARGO) build --release --locked --features disk --target "$$(rustc --print host-tuple)"
 	TERRANE_BIN="$${CARGO_TARGET_DIR:-$(CURDIR)/target}/$$(rustc --print host-tuple)/release/terrane" docker/test
 
 clean:

@@ -35,10 +35,10 @@ pub(crate) struct ExportArguments {
     /// How the plane is cut; archives know web alone
     #[arg(long, default_value = "web", value_parser = |name: &str| Grid::from_name(name).ok_or("there are web, geo and metric"))]
     grid: Grid,
-    /// How tiles are drawn: any tileset of pictures
+    /// How tiles are drawn: any tileset of pictures or vector tiles
     #[arg(long, default_value = "terrarium", value_parser = parse_tileset)]
     tileset: Tileset,
-    /// Samples a side of a tile: 256 or 512
+    /// Samples a side of a tile, or what lines are drawn from: 256 or 512
     #[arg(long, default_value = "256", value_parser = parse_size)]
     size: usize,
     /// Pack pictures as lossless WebP instead of PNG
@@ -85,7 +85,8 @@ fn parse_levels(text: &str) -> Result<[u8; 2], String> {
 }
 
 fn parse_tileset(name: &str) -> Result<Tileset, String> {
-    let names: Vec<_> = Tileset::ALL.into_iter().filter(|tileset| tileset.is_picture()).map(Tileset::name).collect();
+    let is_kept = |tileset: &Tileset| tileset.is_picture() || !tileset.layers().is_empty();
+    let names: Vec<_> = Tileset::ALL.into_iter().filter(is_kept).map(Tileset::name).collect();
     Tileset::from_name(name).ok_or_else(|| format!("there are {}", names.join(", ")))
 }
 
@@ -115,7 +116,8 @@ impl ExportArguments {
         let request = TileRequest {
             grid: self.grid,
             tile: Tile { z: 0, x: 0, y: 0 },
-            samples: Samples::Centres(self.size),
+            // Vector tiles are drawn from vertices, which neighbours share.
+            samples: if self.tileset.layers().is_empty() { Samples::Centres(self.size) } else { Samples::Vertices(self.size + 1) },
             filter: self.filter.filter(),
             tileset: self.tileset,
             height: self.surface.height(),

@@ -4,7 +4,7 @@
 
 use super::{Part, PartError, Plan, pyramid::Order};
 use crate::store::{MbTiles, StoreError};
-use pmtiles::{PmTilesWriter, PmtError, TileCoord, TileType};
+use pmtiles::{Compression, PmTilesWriter, PmtError, TileCoord, TileType};
 use serde_json::json;
 use std::{
     fs::{self, File},
@@ -150,7 +150,8 @@ fn each(
             if written % STEP == 0 || written == plan.tiles {
                 progress(written);
             }
-            take(tile, bytes)
+            // A vector tile without content is none.
+            if bytes.is_empty() { Ok(()) } else { take(tile, bytes) }
         })?;
     }
     Ok(())
@@ -162,17 +163,27 @@ fn centre(plan: &Plan) -> (f64, f64, u8) {
     (f64::midpoint(west, east), f64::midpoint(south, north), plan.levels[0])
 }
 
+/// Whether maps lie on it or it lies on maps.
+fn kind(plan: &Plan) -> &'static str {
+    if plan.vector_layers.is_some() { "overlay" } else { "baselayer" }
+}
+
 fn write_pmtiles(parts: &[Part], plan: &Plan, to: &Path, progress: &mut dyn FnMut(u64)) -> Result<(), ArchiveError> {
     let failed = |source| ArchiveError::PmTiles { path: to.to_owned(), source };
     let [west, south, east, north] = plan.bounds;
     let (longitude, latitude, zoom) = centre(plan);
     let metadata = json!({
-        "name": plan.title, "description": plan.description, "attribution": plan.attribution, "type": "baselayer", "version": plan.revision,
-        "encoding": plan.encoding, "range": plan.range, "tileSize": plan.side,
+        "name": plan.title, "description": plan.description, "attribution": plan.attribution, "type": kind(plan), "version": plan.revision,
+        "encoding": plan.encoding, "range": plan.range, "tileSize": plan.side, "vector_layers": plan.vector_layers,
     });
     let metadata = metadata.as_object().into_iter().flatten().filter(|(_, value)| !value.is_null()).map(|(key, value)| (key.clone(), value.clone()));
     let file = File::create(to).map_err(PmtError::from).map_err(failed)?;
-    let mut writer = PmTilesWriter::new(if plan.extension == "webp" { TileType::Webp } else { TileType::Png })
+    let writer = match plan.extension.as_str() {
+        "webp" => PmTilesWriter::new(TileType::Webp),
+        "mvt" => PmTilesWriter::new(TileType::Mvt).precompressed(Compression::Gzip),
+        _ => PmTilesWriter::new(TileType::Png),
+    };
+    let mut writer = writer
         .min_zoom(plan.levels[0])
         .max_zoom(plan.levels[1])
         .bounds(west, south, east, north)
@@ -195,17 +206,18 @@ fn write_mbtiles(parts: &[Part], plan: &Plan, to: &Path, progress: &mut dyn FnMu
     let some = |name: &'static str, value: Option<String>| value.map(|value| (name, value));
     let metadata = [
         some("name", Some(plan.title.clone())),
-        some("format", Some(plan.extension.clone())),
+        some("format", Some(if plan.extension == "mvt" { "pbf" } else { &plan.extension }.to_owned())),
         some("bounds", Some(plan.bounds.map(|degrees| degrees.to_string()).join(","))),
         some("center", Some(format!("{longitude},{latitude},{zoom}"))),
         some("minzoom", Some(plan.levels[0].to_string())),
         some("maxzoom", Some(plan.levels[1].to_string())),
-        some("type", Some("baselayer".to_owned())),
+        some("type", Some(kind(plan).to_owned())),
         some("version", Some(plan.revision.clone())),
         some("description", plan.description.clone()),
         some("attribution", plan.attribution.clone()),
         some("encoding", plan.encoding.clone()),
         some("tilesize", Some(plan.side.to_string())),
+        some("json", plan.vector_layers.as_ref().map(|layers| json!({"vector_layers": layers}).to_string())),
         some("range", plan.range.map(|[low, high]| format!("{low},{high}"))),
     ];
     let metadata: Vec<_> = metadata.into_iter().flatten().collect();

@@ -3,12 +3,13 @@
 use super::hilbert::{Block, coordinate};
 use crate::{
     geometry::{Grid, Rectangle, Source, Tile, to_lon_lat},
-    tile::TileRequest,
+    tile::{TileRequest, VectorLayer},
     world::World,
 };
 use pmtiles::TileCoord;
 use serde::{Deserialize, Serialize};
-use std::ops::Range;
+use serde_json::{Value, json};
+use std::{collections::BTreeMap, ops::Range};
 
 /// The deepest level of archives here.
 const MAX_ZOOM: u8 = 24;
@@ -20,7 +21,7 @@ pub enum PyramidError {
     #[error("levels must be MIN-MAX with 0 ≤ MIN ≤ MAX ≤ {MAX_ZOOM}, got {0}-{1}")]
     Levels(u8, u8),
     /// A tileset whose tiles are no pictures.
-    #[error("archives hold pictures here: {0} is none")]
+    #[error("archives hold pictures and vector tiles here: {0} is neither")]
     Tileset(&'static str),
     /// Another grid than the web's.
     #[error("archives know the grid web alone, not {0}")]
@@ -85,7 +86,7 @@ impl Pyramid {
         if grid != Grid::Web {
             return Err(PyramidError::Grid(grid.name()));
         }
-        if !tileset.is_picture() {
+        if !tileset.is_picture() && tileset.layers().is_empty() {
             return Err(PyramidError::Tileset(tileset.name()));
         }
         if levels[0] > levels[1] || levels[1] > MAX_ZOOM {
@@ -132,6 +133,7 @@ impl Pyramid {
             blocks: self.blocks.clone(),
             tiles: self.tiles(),
             extension: tileset.extension(self.request.options.image).to_owned(),
+            vector_layers: (!tileset.layers().is_empty()).then(|| tileset.layers().iter().map(described).collect()),
             title: document.title.clone().unwrap_or_else(|| "Terrane".to_owned()),
             description: document.description.clone(),
             attribution: document.attribution.clone(),
@@ -141,6 +143,12 @@ impl Pyramid {
             bounds: [west, south, east, north],
         }
     }
+}
+
+/// A layer of vector tiles as `TileJSON` describes it.
+fn described(layer: &VectorLayer) -> Value {
+    let fields: BTreeMap<&str, &str> = layer.fields.iter().copied().collect();
+    json!({"id": layer.id, "description": layer.description, "fields": fields})
 }
 
 /// What a pyramid is, as its parts and archives say it.
@@ -156,8 +164,11 @@ pub struct Plan {
     pub blocks: Vec<Block>,
     /// Tiles of all shards.
     pub tiles: u64,
-    /// `png` or `webp`.
+    /// `png`, `webp` or `mvt`.
     pub extension: String,
+    /// The layers of vector tiles, as `TileJSON` describes them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vector_layers: Option<Value>,
     /// Of the world.
     pub title: String,
     /// Of the world.

@@ -2,11 +2,15 @@
 
 use super::{Part, PartError, Pyramid};
 use crate::{
-    tile::{self, TileError},
+    tile::{self, TileError, Tileset},
     world::World,
 };
+use flate2::{Compression, write::GzEncoder};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::{
+    io::Write,
+    sync::atomic::{AtomicBool, Ordering},
+};
 
 /// What a batch of tiles is meant to take, in nanoseconds: as much is lost when the program is killed.
 const BATCH_NS: f64 = 2.5e8;
@@ -78,5 +82,14 @@ fn batch(world: &World, pyramid: &Pyramid, place: u64) -> u64 {
 fn draw(world: &World, pyramid: &Pyramid, place: u64) -> Result<Vec<u8>, RunError> {
     let request = pyramid.request(place);
     let (z, x, y) = (request.tile.z, request.tile.x, request.tile.y);
-    tile::render(world, &request).map_err(|source| RunError::Tile { z, x, y, source })
+    let drawn = if request.tileset == Tileset::Features { tile::render_features(world, &request) } else { tile::render(world, &request) };
+    let bytes = drawn.map_err(|source| RunError::Tile { z, x, y, source })?;
+    Ok(if request.tileset.layers().is_empty() || bytes.is_empty() { bytes } else { zipped(&bytes) })
+}
+
+/// Bytes as archives hold vector tiles.
+fn zipped(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::with_capacity(bytes.len() / 2), Compression::default());
+    // A vector takes everything.
+    encoder.write_all(bytes).and_then(|()| encoder.finish()).unwrap_or_default()
 }

@@ -201,6 +201,39 @@ async fn archives_hold_the_tiles_of_the_server() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 5, "no parts are left");
 }
 
+#[tokio::test]
+async fn archives_hold_vector_tiles_compressed_and_none_without_content() {
+    let (folder, client) = (folder(), Client::new().await);
+    let isle = r#"{"seed":3,"base":{"programme":"0","scale":1},"layers":[{"name":"isle","source":{"layout":{"features":[{"type":"Feature","id":"hill",
+        "properties":{"attributes":[{"name":"elevation","value":500,"range":9000}]},"geometry":{"type":"Point","coordinates":[20000,20000]}}]}}}]}"#;
+    fs::write(folder.path().join("world.json"), isle).unwrap();
+    let saved = client.put("/worlds/isle", isle).await;
+    assert!(saved.status.is_success(), "{}", text(&saved.body));
+    for tileset in ["contours", "features"] {
+        let arguments = [&AREA[..], &["--tileset", tileset, "-o"]].concat();
+        export(folder.path(), &[&arguments[..], &["a.pmtiles"]].concat());
+        export(folder.path(), &[&arguments[..], &["a.mbtiles"]].concat());
+        let archive = read_pmtiles(&folder.path().join("a.pmtiles"));
+        assert_eq!(archive.header[96..102], [1, 2, 2, 1, 7, 10], "clustered, gzip, tiles too, vector tiles, levels");
+        let (metadata, tiles) = read_mbtiles(&folder.path().join("a.mbtiles")).await;
+        assert_eq!((metadata["format"].as_str(), metadata["type"].as_str(), &archive.metadata["type"]), ("pbf", "overlay", &Value::from("overlay")));
+        let layers = serde_json::from_str::<Value>(&metadata["json"]).unwrap();
+        let tilejson = client.get(&format!("/worlds/isle/web/{tileset}")).await.json();
+        assert_eq!((&layers["vector_layers"], &archive.metadata["vector_layers"]), (&tilejson["vector_layers"], &tilejson["vector_layers"]));
+        assert!(tiles == archive.tiles && !tiles.is_empty(), "the same tiles in both");
+        let mut there = 0;
+        for (z, x, y) in (509..=515).flat_map(|x| (509..=513).map(move |y| (10, x, y))) {
+            let answer = client.get(&format!("/worlds/isle/web/{tileset}/{z}/{x}/{y}.mvt")).await;
+            let kept = tiles.get(&(z, x, y)).map(|tile| gunzip(tile)).unwrap_or_default();
+            assert!(answer.body[..] == kept[..], "{tileset} {z}/{x}/{y}");
+            there += usize::from(!kept.is_empty());
+        }
+        assert!((1..35).contains(&there), "{tileset}: {there} tiles have content");
+        fs::remove_file(folder.path().join("a.pmtiles")).unwrap();
+        fs::remove_file(folder.path().join("a.mbtiles")).unwrap();
+    }
+}
+
 /// The sea is one tile, however often it is there.
 #[test]
 fn equal_tiles_are_kept_once() {
@@ -309,7 +342,7 @@ fn wrong_exports_name_what_is_wrong() {
         (&["--zoom", "0-1", "-o", "there.pmtiles"], "error: there.pmtiles is there already: delete it, or choose another output\n"),
         (&["--zoom", "3-1", "-o", "a.pmtiles"], "error: levels must be MIN-MAX with 0 ≤ MIN ≤ MAX ≤ 24, got 3-1\n"),
         (&["--zoom", "0-1", "-o", "a.pmtiles", "--grid", "metric"], "error: archives know the grid web alone, not metric\n"),
-        (&["--zoom", "0-1", "-o", "a.pmtiles", "--tileset", "r32"], "error: archives hold pictures here: r32 is none\n"),
+        (&["--zoom", "0-1", "-o", "a.pmtiles", "--tileset", "r32"], "error: archives hold pictures and vector tiles here: r32 is neither\n"),
         (
             &["--zoom", "0-1", "-o", "a.pmtiles", "--bbox", "3e7,0,4e7,9"],
             "error: the area must have its least corner first and meet the grid's own range, ±20037508 m (minx,miny,maxx,maxy)\n",
