@@ -62,7 +62,8 @@ fn main() {
         world.sample(&window, &mut surface);
         println!("{WORLD}, level {z}, {SIDE} × {SIDE} samples {:.1} m apart", window.spacing());
         for tileset in [Tileset::Terrarium, Tileset::TerrainRgb, Tileset::Fit, Tileset::Height16, Tileset::R16, Tileset::R32] {
-            let encode = |image, rounding| tileset.encode(&surface, window.spacing(), &world.legend(), Options { image, rounding, ..Options::default() }).unwrap();
+            let encode =
+                |image, rounding| tileset.encode(&surface, window.spacing(), &world.legend(), Options { image, rounding, ..Options::default() }).unwrap();
             println!("{:12} plain  {}", tileset.name(), measure(|| encode(Image::Png, Rounding::Steps)));
             if !tileset.has_webp() {
                 continue;

@@ -14,10 +14,6 @@ use std::{
 use terrane::noise::Isa;
 use tracing_subscriber::EnvFilter;
 
-/// Requests and tiles take and give back memory by the dozen.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
-
 /// Streams endless, deterministic, generated terrain.
 #[derive(Parser)]
 #[command(version)]
