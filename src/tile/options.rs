@@ -90,7 +90,7 @@ pub enum Rounding {
     /// The steps of the encoding.
     #[default]
     Steps,
-    /// The greatest power of two of these that is at most a 64th of the samples' spacing, and at most 16 m: pictures of a fraction of the bytes.
+    /// The greatest power of two of these that is at most a 64th of the samples' spacing, and at most 16 m: pictures of fewer bytes.
     Spacing,
 }
 
