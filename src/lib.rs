@@ -24,7 +24,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Modules may use only those listed before them: [`geometry`], [`noise`], [`analysis`], [`programme`], [`layout`], [`world`], [`tile`], [`query`], `store`, `jobs`, `server`.
+//! Modules may use only those listed before them: [`geometry`], [`noise`], [`analysis`], [`programme`], [`layout`], [`paths`], [`world`], [`tile`], [`query`], `store`, `jobs`, `server`.
 
 pub mod analysis;
 pub mod geometry;
@@ -32,6 +32,7 @@ pub mod geometry;
 pub mod jobs;
 pub mod layout;
 pub mod noise;
+pub mod paths;
 pub mod programme;
 pub mod query;
 #[cfg(feature = "server")]
