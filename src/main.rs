@@ -4,7 +4,8 @@ mod command;
 
 use clap::{Parser, Subcommand};
 use command::{
-    ExportArguments, HealthArguments, KeyCommand, MergeArguments, RenderArguments, ServeArguments, check, export, health, key, merge, render, serve,
+    ExportArguments, GalleryArguments, HealthArguments, KeyCommand, MergeArguments, RenderArguments, ServeArguments, check, export, gallery, health, key,
+    merge, render, serve,
 };
 use std::{
     io::{IsTerminal, Write},
@@ -42,6 +43,8 @@ enum Command {
     Export(ExportArguments),
     /// Join the parts of an export to an archive
     Merge(MergeArguments),
+    /// Draw the terrain that ships with the program as pictures
+    Gallery(GalleryArguments),
 }
 
 fn main() -> ExitCode {
@@ -61,6 +64,7 @@ fn main() -> ExitCode {
         Command::Render(arguments) => render(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Export(arguments) => export(&arguments),
         Command::Merge(arguments) => merge(&arguments).map(|()| ExitCode::SUCCESS),
+        Command::Gallery(arguments) => gallery(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Key(command) => key(command).map(|()| ExitCode::SUCCESS),
     });
     match done {

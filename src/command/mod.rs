@@ -2,6 +2,7 @@
 
 mod check;
 mod export;
+mod gallery;
 mod health;
 mod key;
 mod progress;
@@ -11,6 +12,7 @@ mod world;
 
 pub(crate) use check::check;
 pub(crate) use export::{ExportArguments, MergeArguments, export, merge};
+pub(crate) use gallery::{GalleryArguments, gallery};
 pub(crate) use health::{HealthArguments, health};
 pub(crate) use key::{KeyCommand, key};
 pub(crate) use render::{RenderArguments, render};

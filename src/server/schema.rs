@@ -47,7 +47,7 @@ pub(super) struct LayerSchema {
     /// 1 to 63 of a … z, 0 … 9 and -; like none of the others.
     #[schema(pattern = "^[a-z0-9][a-z0-9-]{0,62}$")]
     name: String,
-    /// Where its terrain comes from: `{"layout": …}`, see docs/layouts.md.
+    /// Where its terrain comes from: `{"layout": …}`, see docs/layouts.md, or `{"paths": …}`, see docs/paths.md.
     #[schema(value_type = Object)]
     source: serde_json::Value,
     /// `replace`, `add`, `max` or `min`.

@@ -10,7 +10,7 @@ pub struct Example {
 }
 
 /// Every example world.
-pub const EXAMPLES: [Example; 10] = [
+pub const EXAMPLES: [Example; 11] = [
     Example { name: "alps", json: include_str!("../../data/worlds/alps.json") },
     Example { name: "archipelago", json: include_str!("../../data/worlds/archipelago.json") },
     Example { name: "archipelago-endless", json: include_str!("../../data/worlds/archipelago-endless.json") },
@@ -19,6 +19,7 @@ pub const EXAMPLES: [Example; 10] = [
     Example { name: "eq2", json: include_str!("../../data/worlds/eq2.json") },
     Example { name: "hills", json: include_str!("../../data/worlds/hills.json") },
     Example { name: "mesas", json: include_str!("../../data/worlds/mesas.json") },
+    Example { name: "ranges", json: include_str!("../../data/worlds/ranges.json") },
     Example { name: "ridges-and-rivers", json: include_str!("../../data/worlds/ridges-and-rivers.json") },
     Example { name: "ridges-rivers-and-lakes", json: include_str!("../../data/worlds/ridges-rivers-and-lakes.json") },
 ];

@@ -14,7 +14,19 @@ async fn a_new_server_has_the_example_worlds_with_their_tilesets() {
     let names: Vec<_> = worlds.iter().map(|world| world["name"].as_str().unwrap()).collect();
     assert_eq!(
         names,
-        ["alps", "archipelago", "archipelago-endless", "cordillera", "dunes", "eq2", "hills", "mesas", "ridges-and-rivers", "ridges-rivers-and-lakes"]
+        [
+            "alps",
+            "archipelago",
+            "archipelago-endless",
+            "cordillera",
+            "dunes",
+            "eq2",
+            "hills",
+            "mesas",
+            "ranges",
+            "ridges-and-rivers",
+            "ridges-rivers-and-lakes"
+        ]
     );
     assert_eq!(worlds[0]["title"], "Alps");
     assert_eq!(worlds[0]["tilesets"][0], json!({"grid": "web", "tileset": "terrarium", "tilejson": "http://localhost:8080/worlds/alps/web/terrarium"}));

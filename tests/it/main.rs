@@ -22,6 +22,7 @@ mod library;
 mod load;
 mod mesh;
 mod openapi;
+mod paths;
 mod process;
 mod program;
 mod properties;

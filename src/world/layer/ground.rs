@@ -1,8 +1,10 @@
 //! The terrain of a layer, whatever its source.
 
+use super::drawing::Heights;
 use crate::{
     geometry::{Rectangle, Stop, Window},
     layout::{ContentHash, FieldKind, FieldSurface, Layout, LayoutSurface, Scatter, Selection, geojson::FeatureSet},
+    world::revision::Revision,
 };
 use std::sync::Arc;
 
@@ -19,6 +21,24 @@ pub(super) enum Ground {
     },
     /// Features without end.
     Scatter(Arc<Scatter>),
+    /// The heights of a drawing, on what is beneath.
+    Paths(Arc<Drawn>),
+}
+
+/// A drawing's terrain, and its name.
+#[derive(Debug)]
+pub(super) struct Drawn {
+    pub heights: Heights,
+    pub drawing: Revision,
+}
+
+impl Drawn {
+    fn reaches(&self, area: &Rectangle) -> bool {
+        match &self.heights {
+            Heights::Finite(raster) => raster.bounds().meets(area),
+            Heights::Endless(_) => true,
+        }
+    }
 }
 
 /// The number of a material field, if there is one.
@@ -35,6 +55,7 @@ impl Ground {
         match self {
             Self::Layout { layout, over_base, .. } => format!("layout {over_base} {:?}", layout.options()),
             Self::Scatter(_) => "scatter".to_owned(),
+            Self::Paths(drawn) => format!("paths 1 {}", drawn.drawing),
         }
     }
 
@@ -43,6 +64,7 @@ impl Ground {
         match self {
             Self::Layout { layout, .. } => material(layout).map_or(&[], |(_, names)| names),
             Self::Scatter(scatter) => scatter.materials(),
+            Self::Paths(_) => &[],
         }
     }
 
@@ -51,6 +73,8 @@ impl Ground {
         match self {
             Self::Layout { layout, .. } => layout.content_in(area),
             Self::Scatter(scatter) => Some(scatter.content()),
+            // The form names all of it.
+            Self::Paths(drawn) => drawn.reaches(area).then_some(ContentHash([0; 16])),
         }
     }
 
@@ -59,6 +83,7 @@ impl Ground {
         match self {
             Self::Layout { layout, .. } => layout.reaches(area),
             Self::Scatter(_) => true,
+            Self::Paths(drawn) => drawn.reaches(area),
         }
     }
 
@@ -67,6 +92,10 @@ impl Ground {
         match self {
             Self::Layout { layout, .. } => layout.cost_ns(window),
             Self::Scatter(scatter) => scatter.cost_ns(window),
+            Self::Paths(drawn) => match &drawn.heights {
+                Heights::Finite(raster) => raster.cost_ns(window),
+                Heights::Endless(endless) => endless.cost_ns(window),
+            },
         }
     }
 
@@ -84,6 +113,17 @@ impl Ground {
                 (surface, if materials { heaviest } else { Vec::new() }, fractions)
             }
             Self::Scatter(scatter) => scatter.sample(window, base, [cover, materials, shares], stop),
+            Self::Paths(drawn) => {
+                let mut elevation = base.to_vec();
+                match &drawn.heights {
+                    Heights::Finite(raster) => raster.add(window, stop, &mut elevation),
+                    Heights::Endless(endless) => endless.add(window, stop, &mut elevation),
+                }
+                let samples = window.samples();
+                let of = |wanted: bool| if wanted { vec![0.0; samples] } else { Vec::new() };
+                let names = if materials { vec![0; samples] } else { Vec::new() };
+                (LayoutSurface { elevation, water_depth: vec![0.0; samples], water_cover: of(cover), dry: Vec::new(), fields: Vec::new() }, names, Vec::new())
+            }
         }
     }
 }

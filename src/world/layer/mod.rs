@@ -1,6 +1,7 @@
 //! What lies above the base: layers, each a source of terrain with a way to lie over what is below.
 
 mod blend;
+mod drawing;
 mod generator;
 mod ground;
 mod item;
@@ -196,7 +197,7 @@ impl Layer {
     pub fn drawn(&self) -> impl Iterator<Item = &Arc<FeatureSet>> + '_ {
         let generated = match &self.ground {
             Ground::Layout { generated, .. } => Some(generated),
-            Ground::Scatter(_) => None,
+            Ground::Scatter(_) | Ground::Paths(_) => None,
         };
         self.features.drawn.iter().chain(generated)
     }
@@ -205,7 +206,7 @@ impl Layer {
     #[must_use]
     pub fn islands(&self, area: &Rectangle, spacing: f64) -> Vec<Arc<Layout>> {
         match &self.ground {
-            Ground::Layout { .. } => Vec::new(),
+            Ground::Layout { .. } | Ground::Paths(_) => Vec::new(),
             Ground::Scatter(scatter) => scatter.islands(area, spacing),
         }
     }

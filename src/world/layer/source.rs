@@ -2,8 +2,9 @@
 
 use super::{
     Setting,
+    drawing::{self, WrittenPaths},
     generator::{Generator, Seeded, problem},
-    ground::Ground,
+    ground::{Drawn, Ground},
     item::{Item, generate},
 };
 use crate::{
@@ -36,7 +37,8 @@ const FEW: usize = 4096;
 #[serde(deny_unknown_fields)]
 pub(super) struct WrittenSource<'a> {
     #[serde(borrow)]
-    layout: Object<WrittenLayout<'a>>,
+    layout: Option<Object<WrittenLayout<'a>>>,
+    paths: Option<Object<WrittenPaths>>,
 }
 
 /// The features of a layer that were drawn.
@@ -104,7 +106,15 @@ struct WrittenScatter<'a> {
 
 /// Checks and completes a source; makes its terrain unless that is there already or something is wrong.
 pub(super) fn complete(written: WrittenSource, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
-    let (Object(layout), at) = (written.layout, format!("{at}/layout"));
+    let layout = match (written.layout, written.paths) {
+        (Some(Object(layout)), None) => layout,
+        (None, Some(Object(paths))) => return drawing::complete(paths, &format!("{at}/paths"), setting, checks),
+        _ => {
+            checks.add(at, "a source is either a layout or paths");
+            return None;
+        }
+    };
+    let at = format!("{at}/layout");
     match (&layout.features, &layout.scatter) {
         (Some(_), None) => features(layout, &at, setting, checks),
         (None, Some(_)) => scatter(layout, &at, setting, checks),
@@ -223,6 +233,7 @@ type Known = LruCache<Revision, Remembered>;
 enum Remembered {
     Layout(Weak<Layout>, bool, Weak<FeatureSet>),
     Scatter(Weak<Scatter>),
+    Paths(Weak<Drawn>),
 }
 
 /// Most sources that are remembered.
@@ -231,7 +242,7 @@ const REMEMBERED: NonZeroUsize = NonZeroUsize::new(256).expect("not 0");
 static KNOWN: LazyLock<Mutex<Known>> = LazyLock::new(|| Mutex::new(LruCache::new(REMEMBERED)));
 
 /// The terrain of a completed source: that of another world or revision with the same, or made now. Which of the two changes nothing but the time.
-fn made(source: &Value, setting: &Setting, make: impl FnOnce() -> Option<Ground>) -> Option<Ground> {
+pub(super) fn made(source: &Value, setting: &Setting, make: impl FnOnce() -> Option<Ground>) -> Option<Ground> {
     let key = Revision::of(&(source, setting.seed, setting.sea_level));
     let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
     let remembered = match known().get(&key) {
@@ -239,6 +250,7 @@ fn made(source: &Value, setting: &Setting, make: impl FnOnce() -> Option<Ground>
             layout.upgrade().zip(generated.upgrade()).map(|(layout, generated)| Ground::Layout { layout, over_base: *over_base, generated })
         }
         Some(Remembered::Scatter(scatter)) => scatter.upgrade().map(Ground::Scatter),
+        Some(Remembered::Paths(drawn)) => drawn.upgrade().map(Ground::Paths),
         None => None,
     };
     if remembered.is_some() {
@@ -248,6 +260,7 @@ fn made(source: &Value, setting: &Setting, make: impl FnOnce() -> Option<Ground>
     let weak = match &ground {
         Ground::Layout { layout, over_base, generated } => Remembered::Layout(Arc::downgrade(layout), *over_base, Arc::downgrade(generated)),
         Ground::Scatter(scatter) => Remembered::Scatter(Arc::downgrade(scatter)),
+        Ground::Paths(drawn) => Remembered::Paths(Arc::downgrade(drawn)),
     };
     known().put(key, weak);
     Some(ground)

@@ -1,0 +1,113 @@
+//! Terrain by path costs as layers of worlds.
+
+use crate::client::Client;
+use axum::http::StatusCode;
+use serde_json::{Value, json};
+use terrane::{
+    geometry::{Filter, Grid, Rectangle, Samples, Tile, Window},
+    tile::{Height, Options, TileRequest, Tileset, render},
+    world::{Document, EXAMPLES, World},
+};
+
+fn drawing() -> Value {
+    json!({
+        "size": [80, 60], "spacing": 50, "origin": [-2000, -1500], "edges": {"random": {"mean": 1, "deviation": 0.5}}, "sea_level": {"cost": 900},
+        "profiles": {"flank": {"points": [[0, 1], [0.4, 0.4], [1, 0]], "width": 1200}},
+        "strokes": [{"shape": {"geometry": {"type": "LineString", "coordinates": [[1000, 1500], [3000, 1600]]}}, "profiles": ["flank"], "cost": 100}],
+        "ridges": [{"count": 5, "share": 0.6}]
+    })
+}
+
+#[expect(clippy::needless_pass_by_value, reason = "json! makes values")]
+fn document(source: Value) -> Value {
+    json!({"seed": 5, "base": {"programme": "0", "scale": 2000, "datum": 100}, "layers": [{"name": "alps", "source": {"paths": source}}]})
+}
+
+fn world(document: &Value) -> World {
+    World::new(Document::parse(document.to_string().as_bytes()).unwrap_or_else(|error| panic!("{error}")))
+}
+
+fn elevation(world: &World, x: f64, y: f64) -> f32 {
+    world.evaluate(&Window::point(x, y, 1.0, Filter::Exact).unwrap()).elevation[0]
+}
+
+#[test]
+fn a_drawing_stands_on_what_is_beneath_as_far_as_it_reaches() {
+    let world = world(&document(json!({"drawing": drawing()})));
+    // On its crest, halfway down, and beyond.
+    let [crest, flank, beyond] = [1000.0, 1400.0, 60_000.0].map(|north| elevation(&world, 0.0, north - 950.0));
+    assert!((crest - 900.0).abs() < 60.0, "{crest}");
+    assert!(flank > 150.0 && flank < crest - 100.0, "{flank}");
+    assert_eq!(beyond, 100.0);
+    let completed = world.document().to_json();
+    assert_eq!(Document::parse(completed.as_bytes()).unwrap().to_json(), completed);
+}
+
+#[test]
+fn only_tiles_that_it_reaches_are_other_tiles() {
+    let (with, without) =
+        (world(&document(json!({"drawing": drawing()}))), world(&json!({"seed": 5, "base": {"programme": "0", "scale": 2000, "datum": 100}})));
+    let tag = |world: &World, area: Rectangle| world.identify("a tile", &area);
+    let near = Rectangle { min: [-100.0, -100.0], max: [100.0, 100.0] };
+    let far = Rectangle { min: [90_000.0, 0.0], max: [91_000.0, 100.0] };
+    assert_ne!(tag(&with, near), tag(&without, near));
+    assert_eq!(tag(&with, far), tag(&without, far));
+    let mut moved = drawing();
+    moved["strokes"][0]["cost"] = json!(120);
+    let moved = world(&document(json!({"drawing": moved})));
+    assert_ne!(tag(&with, near), tag(&moved, near));
+    assert_eq!(tag(&with, far), tag(&moved, far));
+}
+
+/// At every level of the example world neighbours share their edge to the bit, and no tile takes too long to say so.
+#[test]
+fn tiles_of_endless_ranges_have_no_seams() {
+    let json = EXAMPLES.iter().find(|example| example.name == "ranges").unwrap().json;
+    let (one, other) = (World::new(Document::parse(json.as_bytes()).unwrap()), World::new(Document::parse(json.as_bytes()).unwrap()));
+    let heights = |world: &World, z: u8, x: i64, y: i64| -> Vec<f32> {
+        let request = TileRequest {
+            grid: Grid::Metric,
+            tile: Tile { z, x, y },
+            samples: Samples::Vertices(33),
+            filter: Filter::Band,
+            tileset: Tileset::R32,
+            height: Height::Ground,
+            options: Options::default(),
+        };
+        let bytes = render(world, &request).unwrap_or_else(|error| panic!("{error}"));
+        bytes.chunks_exact(4).map(|four| f32::from_le_bytes(four.try_into().unwrap())).collect()
+    };
+    for z in [4, 8, 10, 11, 12, 13, 14, 16, 18, 22] {
+        let (west, east) = (heights(&one, z, 3, -5), heights(&other, z, 4, -5));
+        for row in 0..33 {
+            assert_eq!(west[row * 33 + 32].to_bits(), east[row * 33].to_bits(), "level {z}, row {row}");
+        }
+    }
+}
+
+#[tokio::test]
+async fn what_is_wrong_with_a_drawing_is_told_with_its_place() {
+    let client = Client::new().await;
+    let answer = async |source: Value| client.put("/worlds/drawn", &document(source).to_string()).await;
+    let wrong = |pointer: &str, value: Value| {
+        let mut drawing = drawing();
+        *drawing.pointer_mut(pointer).unwrap() = value;
+        json!({"drawing": drawing})
+    };
+    let at = "422 /layers/0/source/paths";
+    for (source, problem) in [
+        (wrong("/edges/random/deviation", json!(1)), format!("{at}/drawing/edges/random/deviation: must be 0 up to less than the mean 1, got 1")),
+        (wrong("/profiles/flank/points/1", json!([0.4, 1.2])), format!("{at}/drawing/profiles/flank/points: point 1 is higher than the one before")),
+        (wrong("/profiles/flank/width", json!(90_000)), format!("{at}/drawing/profiles: paths may reach")),
+        (wrong("/strokes/0/cost", json!({"programme": "fmb(1)"})), format!("{at}/drawing/strokes/0/cost/programme: ")),
+        (wrong("/strokes/0/profiles", json!(["cone"])), format!("{at}/drawing/strokes/0/profiles/0: no profile is called \"cone\"; there are flank")),
+        (json!({"drawing": {"size": [9, 9], "colour": 1}}), format!("{at}/drawing/colour: unknown field")),
+        (json!({}), format!("{at}: paths are either a drawing or endless")),
+        (json!({"endless": {"spacing": 10}}), format!("{at}/endless: missing field")),
+    ] {
+        let answer = answer(source).await;
+        assert!(answer.problem().starts_with(&problem), "{} for {problem}", answer.problem());
+    }
+    assert_eq!(client.get("/worlds/drawn").await.status, StatusCode::NOT_FOUND, "nothing was stored");
+    assert_eq!(answer(json!({"drawing": drawing()})).await.status, StatusCode::CREATED);
+}
