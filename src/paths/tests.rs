@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::geometry::{Filter, Stop, Window};
+use serde_json::json;
 
 /// The drawings that ship, by name.
 fn presets() -> Vec<(String, Drawing)> {
@@ -136,7 +137,7 @@ fn flanks_have_the_profiles_that_were_drawn() {
         for (profile, written) in &drawing.profiles {
             let Some(points) = &written.points else { continue };
             let shape = Profile::new(points, written.width).expect("a profile");
-            let json = serde_json::json!({
+            let json = json!({
                 "size": [401, 401], "edges": {"random": {"mean": 1, "deviation": 0}}, "sea_level": {"cost": 60}, "profiles": {"own": written},
                 "strokes": [{"shape": {"geometry": {"type": "Point", "coordinates": [200, 200]}}, "profiles": ["own"], "cost": 12}]
             });
@@ -195,7 +196,6 @@ fn what_cannot_be_is_refused_with_its_place() {
         assert_eq!(error.pointer, pointer, "{error}");
         assert!(!error.detail.is_empty());
     };
-    use serde_json::json;
     refused(&|drawing| drawing["edges"] = json!({"random": {"mean": 1, "deviation": 1}}), "/edges/random/deviation");
     refused(&|drawing| drawing["edges"] = json!({"random": {"mean": 0, "deviation": 0}}), "/edges/random/mean");
     refused(&|drawing| drawing["strokes"][0]["shape"]["geometry"]["coordinates"] = json!([]), "/strokes");
