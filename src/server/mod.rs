@@ -18,6 +18,7 @@ mod library;
 mod metrics;
 mod observe;
 mod pace;
+mod payment;
 mod router;
 mod schema;
 mod search;

@@ -7,6 +7,7 @@ use crate::{
         error::ApiError,
         extract::{Asker, Known, Links, WorldAt},
         headers::{Freshness, class, is_fresh, json, not_modified, tagged, timed},
+        payment::bought,
         schema::ProblemDetails,
         shelf::Shelved,
         sidecar::{SidecarSchema, sidecar},
@@ -116,14 +117,13 @@ pub(crate) async fn get_tile(
         let detail = format!("samples {spacing} m apart would take this world about {seconds:.0} s a tile: ask for {instead} or a finer zoom");
         return Err(ApiError::parameter(if request.filter == Filter::Exact { "filter" } else { "tile" }, detail));
     }
-    asker.pay(&app, cost_ns)?;
     let kind = [request.tileset.name(), if live.world.document().layers.is_empty() { "programme" } else { "layout" }];
     let order = Order { fingerprint, revision: live.world.revision().clone(), class, cost_ns, kind };
     let draw = move |stop: &Stop| match request.tileset {
         Tileset::Features => tile::render_features(&live.world, &request),
         _ => tile::render(&Until { source: &live.world, stop: stop.clone() }, &request),
     };
-    let made = app.0.tiles.get(order, draw).await?;
+    let made = bought(&app, asker, order, draw).await?;
     Ok(timed(answer(made.bytes), made.timing))
 }
 
