@@ -8,6 +8,7 @@ use crate::{
         extract::{Asker, Known, Links, WorldAt},
         headers::{Freshness, class, is_fresh, json, not_modified, tagged, timed},
         payment::bought,
+        recall::Origin,
         schema::ProblemDetails,
         shelf::Shelved,
         sidecar::{SidecarSchema, sidecar},
@@ -27,6 +28,7 @@ use axum::{
     response::Response,
 };
 use serde::Deserialize;
+use std::sync::Arc;
 use utoipa::IntoParams;
 
 /// Zoom levels that `TileJSON` announces.
@@ -96,9 +98,14 @@ pub(crate) async fn get_tile(
     if is_fresh(&headers, &tag) {
         return Ok(not_modified(&tag, freshness));
     }
+    let head = if pinned { app.0.worlds.shelf.get(&live.name) } else { Some(Arc::clone(&live)) };
     let answer = move |bytes: Bytes| {
         let mut response = Response::new(Body::from(bytes));
         *response.headers_mut() = described(&request);
+        // What a mesh holds follows from a header, too.
+        if let Some(head) = head.filter(|_| request.tileset != Tileset::QuantizedMesh) {
+            response.extensions_mut().insert(Origin { world: Arc::downgrade(&head), fingerprint, tag: tag.clone() });
+        }
         tagged(response, &tag, freshness)
     };
     // What is at hand must not even be predicted.
