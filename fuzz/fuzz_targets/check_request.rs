@@ -50,6 +50,11 @@ fn request(text: &[u8]) -> Option<Request<Vec<u8>>> {
     Some(request)
 }
 
+/// Starts the servers, which also the first request does.
+pub(crate) fn start() {
+    LazyLock::force(&SERVERS);
+}
+
 pub(crate) fn check(data: &[u8]) {
     let Some(mut request) = request(data) else { return };
     // Then nothing is evaluated for a tile or an export, and nothing is written.

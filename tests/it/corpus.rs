@@ -43,6 +43,7 @@ fn the_corpus_of_documents_holds() {
 
 #[test]
 fn the_corpus_of_requests_holds() {
+    check_request::start();
     replay("request", 30, check_request::check);
 }
 
