@@ -38,7 +38,7 @@ fn the_corpus_of_features_holds() {
 
 #[test]
 fn the_corpus_of_documents_holds() {
-    replay("world", 20, check_world::check);
+    replay("world", 15, check_world::check);
 }
 
 #[test]
