@@ -251,8 +251,8 @@ mod tests {
             assert_eq!(server.recalled(path, &[]).await, Some(first));
         }
         let route = r#"terrane_requests_total{method="GET",route="/worlds/{world}/{grid}/{tileset}/{z}/{x}/{y}",status="#;
-        assert!(server.counted(&format!("{route}\"200\"}} 44")) && server.counted(&format!("{route}\"304\"}} 16")), "one series for both");
-        assert!(server.counted("terrane_tile_lookups_total{result=\"hit\"} 40"));
+        assert!(server.counted(&format!("{route}\"200\"}} 48")) && server.counted(&format!("{route}\"304\"}} 16")), "one series for both");
+        assert!(server.counted("terrane_tile_lookups_total{result=\"hit\"} 45"));
     }
 
     #[tokio::test]
