@@ -56,10 +56,16 @@ pictures: viewer
 	$(CARGO) build --release
 	docs/pictures/draw "$${CARGO_TARGET_DIR:-$(CURDIR)/target}/release/terrane"
 
+FUZZING = -timeout=20 -max_total_time=$${TERRANE_FUZZ_SECONDS:-1800}
+
 # Needs cargo-fuzz. What is found worth keeping stands in fuzz/corpus, which `make test` replays.
 fuzz:
-	RUSTC_BOOTSTRAP=1 $(CARGO) fuzz run programme -- -dict=fuzz/programme.dict -max_len=2048 -timeout=20 -max_total_time=$${TERRANE_FUZZ_SECONDS:-1800}
-	RUSTC_BOOTSTRAP=1 $(CARGO) fuzz run features -- -dict=fuzz/features.dict -max_len=4096 -timeout=20 -max_total_time=$${TERRANE_FUZZ_SECONDS:-1800}
+	RUSTC_BOOTSTRAP=1 $(CARGO) fuzz run programme -- -dict=fuzz/programme.dict -max_len=2048 $(FUZZING)
+	RUSTC_BOOTSTRAP=1 $(CARGO) fuzz run features -- -dict=fuzz/features.dict -max_len=4096 $(FUZZING)
+	RUSTC_BOOTSTRAP=1 $(CARGO) fuzz run world -- -dict=fuzz/features.dict -max_len=4096 $(FUZZING)
+	RUSTC_BOOTSTRAP=1 $(CARGO) fuzz run request -- -dict=fuzz/request.dict -max_len=1024 $(FUZZING)
+	RUSTC_BOOTSTRAP=1 $(CARGO) fuzz run config -- -max_len=2048 $(FUZZING)
+	RUSTC_BOOTSTRAP=1 $(CARGO) fuzz run part -- -max_len=2048 $(FUZZING)
 
 bench: viewer
 	$(CARGO) bench

@@ -2,23 +2,35 @@
 //! same bytes with the same headers and does nothing else. Rounds alternate, so that drift of the machine falls on both.
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "a benchmark says what is wrong by failing, and prints what it measured")]
 
-use axum::{Router, body::Bytes, http::header, response::IntoResponse, routing::get};
+use axum::{
+    Router, ServiceExt,
+    body::Bytes,
+    extract::Request,
+    http::header,
+    response::{IntoResponse, Response},
+    routing::get,
+};
+use std::convert::Infallible;
 use std::time::{Duration, Instant};
-use terrane::server::{App, Config, router};
+use terrane::server::{App, Config, Front};
 use tokio::{
     io::{AsyncReadExt, AsyncWriteExt},
     net::{TcpListener, TcpStream},
 };
+use tower::Service;
 
 const CONNECTIONS: usize = 16;
 const ROUNDS: usize = 7;
 const ROUND: Duration = Duration::from_secs(2);
 const TILE: &str = "/worlds/alps/web/terrarium/10/515/509.png";
 
-async fn listen(service: Router) -> String {
+async fn listen<S>(service: S) -> String
+where
+    S: Service<Request, Response = Response, Error = Infallible, Future: Send> + Clone + Send + 'static,
+{
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     let address = listener.local_addr().unwrap().to_string();
-    tokio::spawn(async { axum::serve(listener, service).await });
+    tokio::spawn(async { axum::serve(listener, service.into_make_service()).await });
     address
 }
 
@@ -113,7 +125,7 @@ async fn main() {
     let folder = tempfile::tempdir().unwrap();
     let mut config = Config::default();
     config.server.data = folder.path().to_path_buf();
-    let server = listen(router(App::load(&config).await.unwrap())).await;
+    let server = listen(Front::new(App::load(&config).await.unwrap())).await;
     latencies(&server).await;
     crowd(&server, 1, 900).await;
     crowd(&server, 16, 950).await;

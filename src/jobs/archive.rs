@@ -216,7 +216,7 @@ fn write_mbtiles(parts: &[Part], plan: &Plan, to: &Path, progress: &mut dyn FnMu
         some("description", plan.description.clone()),
         some("attribution", plan.attribution.clone()),
         some("encoding", plan.encoding.clone()),
-        some("tilesize", Some(plan.side.to_string())),
+        some("tilesize", plan.side.map(|side| side.to_string())),
         some("json", plan.vector_layers.as_ref().map(|layers| json!({"vector_layers": layers}).to_string())),
         some("range", plan.range.map(|[low, high]| format!("{low},{high}"))),
     ];

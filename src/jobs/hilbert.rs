@@ -16,6 +16,13 @@ pub struct Block {
 }
 
 impl Block {
+    /// How many tiles it has; `None` if its level has no such tiles.
+    pub(super) fn tiles(&self) -> Option<u64> {
+        let side = 1_u64.checked_shl(self.z.into())?;
+        let count = |[first, last]: [u32; 2]| (first <= last && u64::from(last) < side).then(|| u64::from(last - first) + 1);
+        count(self.columns)?.checked_mul(count(self.rows)?)
+    }
+
     /// The numbers of its tiles as runs, ascending.
     ///
     /// A square of 2^n tiles a side that stands on its own raster is one run, so the block is cut into such squares.

@@ -54,6 +54,13 @@ struct Head {
     plan: Plan,
 }
 
+impl Head {
+    /// Whether this program can have written it.
+    fn is_sound(&self) -> bool {
+        self.terrane == MAGIC && Shard::new(self.shard.number, self.shard.of).is_ok() && self.plan.is_sound()
+    }
+}
+
 /// A part of a pyramid on disk.
 #[derive(Debug)]
 pub struct Part {
@@ -112,7 +119,7 @@ impl Part {
         let mut reader = BufReader::with_capacity(1 << 20, &file);
         let mut line = Vec::new();
         reader.by_ref().take(1 << 20).read_until(b'\n', &mut line).map_err(failed)?;
-        let head: Head = serde_json::from_slice(&line).ok().filter(|head: &Head| head.terrane == MAGIC).ok_or_else(|| PartError::Strange(path.to_owned()))?;
+        let head = serde_json::from_slice(&line).ok().filter(Head::is_sound).ok_or_else(|| PartError::Strange(path.to_owned()))?;
         let start = line.len() as u64;
         let (mut end, mut done) = (start, 0);
         while let Some(batch) = read_batch(&mut reader).map_err(failed)? {
@@ -220,13 +227,16 @@ fn read_batch(from: &mut impl Read) -> io::Result<Option<Batch>> {
         return Ok(None);
     }
     let lengths: Vec<u32> = all[4..].chunks_exact(4).map(word).collect();
-    let size: usize = lengths.iter().map(|length| *length as usize).sum();
+    let size: u64 = lengths.iter().map(|length| u64::from(*length)).sum();
     if lengths.iter().any(|length| *length > MOST_TILE_BYTES) {
         return Ok(None);
     }
-    all.resize(data + size, 0);
     let mut check = [0; CHECK_BYTES];
-    if read_some(from, &mut all[data..])? < size || read_some(from, &mut check)? < CHECK_BYTES || Sha256::digest(&all)[..CHECK_BYTES] != check {
+    // Room is made for what there is, not for what a torn batch says.
+    if (from.by_ref().take(size).read_to_end(&mut all)? as u64) < size
+        || read_some(from, &mut check)? < CHECK_BYTES
+        || Sha256::digest(&all)[..CHECK_BYTES] != check
+    {
         return Ok(None);
     }
     let length = (all.len() + CHECK_BYTES) as u64;
@@ -268,7 +278,8 @@ mod tests {
     use super::*;
 
     fn plan() -> Plan {
-        let json = r#"{"revision":"a","drawn":"b","levels":[0,1],"blocks":[],"tiles":9,"extension":"png","title":"t","side":256,"bounds":[0,0,1,1]}"#;
+        let json = r#"{"revision":"a","drawn":"b","levels":[1,2],"blocks":[{"z":1,"columns":[0,0],"rows":[1,1]},{"z":2,"columns":[0,3],"rows":[1,2]}],"tiles":9,
+            "extension":"png","title":"t","side":256,"bounds":[0,0,1,1]}"#;
         serde_json::from_str(json).expect("a plan")
     }
 

@@ -139,7 +139,7 @@ impl Pyramid {
             attribution: document.attribution.clone(),
             encoding: tileset.encoding().map(str::to_owned),
             range: tileset.steps(world.legend().range).map(|_| world.legend().range),
-            side,
+            side: tileset.layers().is_empty().then_some(side),
             bounds: [west, south, east, north],
         }
     }
@@ -183,10 +183,20 @@ pub struct Plan {
     /// Metres that the least and the greatest number stand for, where they are the world's own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
-    /// Samples a side of a tile.
-    pub side: usize,
+    /// Pixels a side of a tile; a vector tile has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub side: Option<usize>,
     /// Degrees: west, south, east, north.
     pub bounds: [f64; 4],
+}
+
+impl Plan {
+    /// Whether it is one of a pyramid: a block a level, and as many tiles as they hold.
+    pub(super) fn is_sound(&self) -> bool {
+        let [first, last] = self.levels;
+        let tiles = self.blocks.iter().try_fold(0_u64, |tiles, block| tiles.checked_add(block.tiles()?));
+        last <= MAX_ZOOM && self.blocks.iter().map(|block| block.z).eq(first..=last) && tiles == Some(self.tiles)
+    }
 }
 
 /// The tiles of blocks in the order of archives.

@@ -8,10 +8,10 @@ use super::{
     state::App,
 };
 use crate::store::{Scope, Store, StoreError, hash_of};
-use arc_swap::ArcSwap;
+use arc_swap::{ArcSwap, Guard};
 use axum::{
     extract::{Request, State},
-    http::{HeaderMap, HeaderValue, Method, header, uri::Authority},
+    http::{self, HeaderMap, HeaderValue, Method, header, uri::Authority},
     middleware::Next,
     response::{IntoResponse, Response},
 };
@@ -46,10 +46,14 @@ impl Keys {
         Ok(Self { store, known: ArcSwap::from_pointee(known) })
     }
 
+    /// What is known of the keys, if it is new enough.
+    fn fresh(&self) -> Option<Guard<Arc<Known>>> {
+        Some(self.known.load()).filter(|known| known.since.elapsed() < MAX_AGE)
+    }
+
     async fn known(&self) -> Result<Arc<Known>, StoreError> {
-        let known = self.known.load_full();
-        if known.since.elapsed() < MAX_AGE {
-            return Ok(known);
+        if let Some(known) = self.fresh() {
+            return Ok(Guard::into_inner(known));
         }
         let known = Arc::new(Known::load(&self.store).await?);
         self.known.store(Arc::clone(&known));
@@ -75,7 +79,12 @@ pub(super) async fn guard(State(app): State<App>, mut request: Request, next: Ne
 /// Finds out who asks, and whether it may ask for this now.
 async fn admit(app: &App, request: &mut Request) -> Result<(), ApiError> {
     let (known, signed) = (app.0.keys.known().await?, Signed::take(request)?);
-    let client = check(app, &known, request, signed.as_ref())?;
+    let peer = request.extensions().get().copied();
+    let (client, allowed) = check(app, &known, request, peer, signed.as_ref());
+    if is_guarded(request.uri().path()) {
+        app.0.budgets.take(&client, Budget::Requests, 1.0, Instant::now())?;
+    }
+    allowed?;
     request.extensions_mut().insert(client);
     if let Some(signed) = signed {
         request.extensions_mut().insert(signed);
@@ -83,18 +92,23 @@ async fn admit(app: &App, request: &mut Request) -> Result<(), ApiError> {
     Ok(())
 }
 
-fn check(app: &App, known: &Known, request: &Request, signed: Option<&Signed>) -> Result<Client, ApiError> {
+/// Whether a request for what is guarded may be answered at once. If not, nothing is taken from its client's budget, and [`guard`] says why or finds out.
+pub(super) fn admits<B>(app: &App, request: &http::Request<B>, peer: Option<Peer>) -> bool {
+    let Some(known) = app.0.keys.fresh() else { return false };
+    let (client, allowed) = check(app, &known, request, peer, None);
+    allowed.is_ok() && app.0.budgets.take(&client, Budget::Requests, 1.0, Instant::now()).is_ok()
+}
+
+/// Who asks, and whether its key or its place allows this.
+fn check<B>(app: &App, known: &Known, request: &http::Request<B>, peer: Option<Peer>, signed: Option<&Signed>) -> (Client, Result<(), ApiError>) {
     let (path, headers) = (request.uri().path(), request.headers());
-    let client = client(known, headers, request.extensions().get().copied(), app.0.proxies);
-    if is_guarded(path) {
-        app.0.budgets.take(&client, Budget::Requests, 1.0, Instant::now())?;
-    }
-    match (needed(request.method(), path, app.0.reads), signed) {
-        (None, _) => {}
-        (Some(Scope::Read), Some(signed)) if bearer(headers).is_none() => signed.check(path, known.scopes.keys())?,
-        (Some(needed), _) => may(app, needed, headers, known)?,
-    }
-    Ok(client)
+    let client = client(known, headers, peer, app.0.proxies);
+    let allowed = match (needed(request.method(), path, app.0.reads), signed) {
+        (None, _) => Ok(()),
+        (Some(Scope::Read), Some(signed)) if bearer(headers).is_none() => signed.check(path, known.scopes.keys()),
+        (Some(needed), _) => may(app, needed, headers, known),
+    };
+    (client, allowed)
 }
 
 /// The other end of a request's connection.

@@ -131,6 +131,14 @@ impl Budgets {
         account.left[i] -= cost;
         Ok(())
     }
+
+    /// Gives back what was taken and not used. Who was forgotten meanwhile has a whole budget anyway.
+    pub(super) fn give_back(&self, client: &Client, budget: Budget, cost: f64) {
+        let (i, quota) = (budget as usize, self.quotas[budget as usize]);
+        if let Some(account) = self.accounts.lock().unwrap_or_else(PoisonError::into_inner).peek_mut(client) {
+            account.left[i] = (account.left[i] + cost).min(quota);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -160,6 +168,19 @@ mod tests {
         assert_eq!(budgets.take(&client, Budget::Compute, 8.0, at(1.0)), Ok(()));
         let spent = budgets.take(&client, Budget::Compute, 0.1, at(1.0)).expect_err("overdrawn");
         assert_eq!((spent.wait.as_secs_f64().round(), budgets.take(&client, Budget::Compute, 0.1, at(7.5))), (6.0, Ok(())));
+    }
+
+    #[test]
+    fn what_is_given_back_can_be_used_again_and_is_no_gain() {
+        let (budgets, now, client) = (budgets(20, 5), Instant::now(), address("192.0.2.1"));
+        assert_eq!(budgets.take(&client, Budget::Compute, 8.0, now), Ok(()));
+        budgets.give_back(&client, Budget::Compute, 6.0);
+        assert_eq!(budgets.take(&client, Budget::Compute, 3.0, now), Ok(()));
+        assert!(budgets.take(&client, Budget::Compute, 0.1, now).is_err(), "5 seconds are used");
+        budgets.give_back(&client, Budget::Compute, 100.0);
+        assert_eq!(budgets.take(&client, Budget::Compute, 5.0, now), Ok(()));
+        assert!(budgets.take(&client, Budget::Compute, 0.1, now).is_err(), "no more than the quota comes back");
+        budgets.give_back(&Client::Local, Budget::Compute, 1.0);
     }
 
     #[test]

@@ -5,8 +5,9 @@ use super::{
     error::ApiError,
     metrics::Metrics,
     pace::{PacedBody, PacedStream},
+    recall::Front,
 };
-use axum::{Router, body::Body, extract::Request, response::IntoResponse};
+use axum::{body::Body, extract::Request, response::IntoResponse};
 use hyper::{body::Incoming, server::conn::http1, service::service_fn};
 use hyper_util::{
     rt::{TokioIo, TokioTimer},
@@ -17,7 +18,6 @@ use tokio::{
     net::{TcpListener, TcpStream},
     sync::{OwnedSemaphorePermit, Semaphore},
 };
-use tower::ServiceExt;
 
 /// Bytes that the head of a request may have.
 const HEAD_BYTES: usize = 64 * 1024;
@@ -41,7 +41,7 @@ pub(super) struct Limits {
 /// Everything that serves one connection.
 #[derive(Clone)]
 struct Service {
-    router: Router,
+    front: Front,
     limits: Limits,
     requests: Arc<Semaphore>,
     metrics: Arc<Metrics>,
@@ -56,9 +56,12 @@ impl Service {
             self.metrics.refused("requests", 1);
             return Ok(ApiError::Busy.into_response());
         }
+        if let Some(response) = self.front.recall(&request, Some(Peer(peer))) {
+            return Ok(response);
+        }
         let mut request: Request = request.map(|body| Body::new(PacedBody::new(body, self.limits.stall)));
         request.extensions_mut().insert(Peer(peer));
-        self.router.oneshot(request).await
+        Ok(self.front.answer(request).await)
     }
 
     /// Serves a connection until its end.
@@ -82,8 +85,8 @@ impl Service {
 }
 
 /// Serves connections until `stop`, then lets requests under way finish; the caller decides how long it waits for that.
-pub(super) async fn serve(listener: TcpListener, router: Router, metrics: Arc<Metrics>, limits: Limits, stop: impl Future<Output = ()>) {
-    let service = Service { router, limits, requests: Arc::new(Semaphore::new(limits.requests)), metrics };
+pub(super) async fn serve(listener: TcpListener, front: Front, metrics: Arc<Metrics>, limits: Limits, stop: impl Future<Output = ()>) {
+    let service = Service { front, limits, requests: Arc::new(Semaphore::new(limits.requests)), metrics };
     let (room, graceful) = (Arc::new(Semaphore::new(limits.connections)), GracefulShutdown::new());
     let mut stop = pin!(stop);
     loop {

@@ -18,6 +18,8 @@ mod library;
 mod metrics;
 mod observe;
 mod pace;
+mod payment;
+mod recall;
 mod router;
 mod schema;
 mod search;
@@ -36,6 +38,7 @@ mod wmts;
 mod worlds;
 
 pub use config::{CacheConfig, Config, ConfigError, LimitsConfig, Reads, ServerConfig};
-pub use router::{openapi, router};
+pub use recall::Front;
+pub use router::openapi;
 pub use serve::{serve, stop_signal};
 pub use state::App;

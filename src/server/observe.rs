@@ -40,26 +40,41 @@ pub(super) async fn observe(State(app): State<App>, request: Request, next: Next
     let id = request_id(request.headers());
     let (method, route) = (name(request.method()), route(&request));
     let uri = request.uri().clone();
-    let answered = ID.scope(id.clone(), AssertUnwindSafe(next.run(request)).catch_unwind()).await;
-    let mut response = answered.unwrap_or_else(|payload| {
+    let outcome = ID.scope(id.clone(), AssertUnwindSafe(next.run(request)).catch_unwind()).await;
+    let mut response = outcome.unwrap_or_else(|payload| {
         app.0.metrics.panicked("handler");
         ID.sync_scope(id.clone(), || ApiError::internal("a handler panicked", &panic_message(&*payload))).into_response()
     });
+    answered(&app, &Asked { begun, method, route, path: uri.path(), id }, &mut response);
+    response
+}
+
+/// What is told of a request.
+pub(super) struct Asked<'a> {
+    pub begun: Instant,
+    pub method: &'static str,
+    pub route: Arc<str>,
+    pub path: &'a str,
+    pub id: HeaderValue,
+}
+
+/// Counts and logs an answer, and gives it the request's id.
+pub(super) fn answered(app: &App, asked: &Asked, response: &mut Response) {
+    let Asked { begun, method, route, path, id } = asked;
     let (status, took) = (response.status().as_u16(), begun.elapsed());
-    app.0.metrics.answered(method, &route, status, took);
-    let (id_text, path, milliseconds) = (id.to_str().unwrap_or_default(), uri.path(), took.as_secs_f64() * 1e3);
+    app.0.metrics.answered(method, route, status, took);
+    let (id_text, milliseconds) = (id.to_str().unwrap_or_default(), took.as_secs_f64() * 1e3);
     // Refusals come by the thousand when there is no time to write of them; they are counted.
     if status >= 500 && status != 503 {
         tracing::warn!(id = id_text, status, method, path, milliseconds, "answered");
     } else {
         tracing::debug!(id = id_text, status, method, path, milliseconds, "answered");
     }
-    response.headers_mut().insert(REQUEST_ID, id);
-    response
+    response.headers_mut().insert(REQUEST_ID, id.clone());
 }
 
 /// The id that came with a request, that of its trace (W3C Trace Context: version, 32 hex digits, …), or a new one.
-fn request_id(headers: &HeaderMap) -> HeaderValue {
+pub(super) fn request_id(headers: &HeaderMap) -> HeaderValue {
     let is_id = |id: &&HeaderValue| !id.is_empty() && id.len() <= MAX_ID && id.as_bytes().iter().all(u8::is_ascii_graphic);
     let trace = || {
         let trace = headers.get(TRACE_PARENT)?.to_str().ok()?.split('-').nth(1)?;
@@ -75,7 +90,9 @@ fn new_id() -> HeaderValue {
     static KEYS: LazyLock<RandomState> = LazyLock::new(RandomState::new);
     static NEXT: AtomicU64 = AtomicU64::new(0);
     let id = KEYS.hash_one(NEXT.fetch_add(1, Ordering::Relaxed));
-    HeaderValue::from_str(&format!("{id:016x}")).unwrap_or_else(|_| HeaderValue::from_static("0"))
+    let digit = |place: u32| b"0123456789abcdef"[(id >> (60 - 4 * place)) as usize & 15];
+    let digits: [u8; 16] = std::array::from_fn(|place| digit(place as u32));
+    HeaderValue::from_bytes(&digits).unwrap_or_else(|_| HeaderValue::from_static("0"))
 }
 
 /// The route of a request, so that there are few of them; files of the viewer and what is not there are one.

@@ -126,8 +126,8 @@ fn cors(methods: &[Method]) -> CorsLayer {
         .expose_headers(exposed.into_iter().chain(own).collect::<Vec<_>>())
 }
 
-/// The whole service.
-pub fn router(app: App) -> Router {
+/// All calls with what lies around them.
+pub(super) fn router(app: App) -> Router {
     let read = [Method::GET, Method::HEAD];
     let guarded = |router: OpenApiRouter<App>, methods: &[Method]| {
         // One layer of four: each that a router is given by itself costs every request another box.

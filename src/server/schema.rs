@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
 
-/// A world document. Requests may leave out what has a default; responses hold every field.
+/// A world document. Requests may leave out what has a default, or give `null` for it; responses hold every field.
 #[derive(ToSchema)]
 #[schema(as = World)]
 #[serde(deny_unknown_fields)]
@@ -23,8 +23,8 @@ pub(super) struct WorldSchema {
     #[schema(minimum = 0, maximum = 9_007_199_254_740_991_i64, example = 7)]
     seed: u64,
     /// The generator version that the world is pinned to; the newest by default.
-    #[schema(required = false, minimum = 1, maximum = 1, default = 1)]
-    generator: u32,
+    #[schema(minimum = 1, maximum = 1, default = 1)]
+    generator: Option<u32>,
     /// The vertical range that elevations are clamped to.
     #[schema(inline)]
     elevation: Option<RangeSchema>,
@@ -107,7 +107,7 @@ pub(super) enum TermSchema {
     Tree(BTreeMap<String, serde_json::Value>),
 }
 
-/// A programme of the library, with what shows it best as terrain. Requests may leave out what has a default; responses hold every field.
+/// A programme of the library, with what shows it best as terrain. Requests may leave out what has a default, or give `null` for it; responses hold every field.
 #[derive(ToSchema)]
 #[schema(as = Programme)]
 #[serde(deny_unknown_fields)]
@@ -120,11 +120,11 @@ pub(super) struct ProgrammeSchema {
     #[schema(max_length = 4000)]
     description: Option<String>,
     /// What it can be found by; each 1 to 63 of a … z, 0 … 9 and -, none twice.
-    #[schema(required = false, max_items = 16)]
-    tags: Vec<String>,
+    #[schema(max_items = 16)]
+    tags: Option<Vec<String>>,
     /// Where it came from, at most 200 characters.
-    #[schema(required = false, default = "", max_length = 200, example = "shipped with Terrane")]
-    origin: String,
+    #[schema(default = "", max_length = 200, example = "shipped with Terrane")]
+    origin: Option<String>,
     /// A terrain programme, as text or as a JSON tree.
     programme: TermSchema,
     /// Metres per programme unit, more than 0 and at most 2^40.
@@ -140,8 +140,8 @@ pub(super) struct ProgrammeSchema {
     #[schema(default = 0, minimum = -10000, maximum = 32767)]
     sea_level: Option<f64>,
     /// The seed that it is shown with.
-    #[schema(required = false, default = 0, minimum = 0, maximum = 9_007_199_254_740_991_i64)]
-    seed: u64,
+    #[schema(default = 0, minimum = 0, maximum = 9_007_199_254_740_991_i64)]
+    seed: Option<u64>,
     /// The vertical range that elevations are clamped to.
     #[schema(inline)]
     elevation: Option<RangeSchema>,

@@ -3,7 +3,7 @@
 use super::{
     config::{Config, LimitsConfig, Reads},
     connections::{self, Limits},
-    router,
+    recall::Front,
     state::{App, StartError},
 };
 use std::{sync::Arc, time::Duration};
@@ -55,7 +55,7 @@ pub async fn serve(config: &Config) -> Result<(), StartError> {
         }
     };
     tokio::select! {
-        () = connections::serve(listener, router(app.clone()), Arc::clone(&app.0.metrics), limits(config), stop) => {}
+        () = connections::serve(listener, Front::new(app.clone()), Arc::clone(&app.0.metrics), limits(config), stop) => {}
         () = late => {}
     }
     app.close().await;

@@ -12,7 +12,10 @@ use crate::{
 };
 use arc_swap::ArcSwap;
 use axum::body::Bytes;
-use std::{collections::BTreeMap, sync::Arc};
+use std::{
+    collections::BTreeMap,
+    sync::{Arc, Weak},
+};
 
 /// A document of a kind with what was made of it for serving.
 pub(super) trait Shelved: Sized + Send + Sync + 'static {
@@ -111,6 +114,11 @@ impl<T: Shelved> Shelf<T> {
     /// What a name stands for now.
     pub(super) fn get(&self, name: &str) -> Option<Arc<T>> {
         self.index.load().get(name).cloned()
+    }
+
+    /// Whether a document is what its name stands for now.
+    pub(super) fn is_current(&self, document: &Weak<T>) -> bool {
+        document.upgrade().is_some_and(|document| self.index.load().get(document.name()).is_some_and(|now| Arc::ptr_eq(now, &document)))
     }
 
     /// What a name stood for at a revision, from disk.

@@ -9,6 +9,7 @@ use super::{
     exports::Exports,
     library::{self, Shown},
     metrics::Metrics,
+    recall::Recall,
     sets::StoredSets,
     shelf::{LoadError, Shelf},
     tiles::{DiskError, Tiles},
@@ -31,6 +32,7 @@ pub(super) struct AppState {
     pub worlds: Worlds,
     pub library: Shelf<Shown>,
     pub tiles: Tiles,
+    pub recall: Recall,
     pub metrics: Arc<Metrics>,
     pub exports: Exports,
     /// Threads for single points and first looks at worlds, so that these do not wait behind tiles.
@@ -96,6 +98,7 @@ impl App {
             worlds,
             library,
             tiles,
+            recall: Recall::new(config.cache.tile_bytes),
             metrics,
             exports,
             queries,

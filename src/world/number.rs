@@ -7,14 +7,19 @@ pub(super) const MAX_SEED: u64 = (1 << 53) - 1;
 
 /// A whole number, also where it is written as 7.0 or 1e3.
 pub(super) fn whole_number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
-    let expected = || serde::de::Error::custom(format!("expected a whole number 0 … {MAX_SEED}"));
-    let Ok(number) = serde_json::Number::deserialize(deserializer) else { return Err(expected()) };
-    let float = number.as_f64().filter(|f| f.fract() == 0.0 && (0.0..18_446_744_073_709_551_616.0).contains(f));
-    number.as_u64().or(float.map(|f| f as u64)).ok_or_else(expected)
+    optional_whole_number(deserializer)?.ok_or_else(expected)
 }
 
+/// The same, or `null`, which counts as not there.
 pub(super) fn optional_whole_number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u64>, D::Error> {
-    whole_number(deserializer).map(Some)
+    let Ok(number) = Option::<serde_json::Number>::deserialize(deserializer) else { return Err(expected()) };
+    let Some(number) = number else { return Ok(None) };
+    let float = number.as_f64().filter(|f| f.fract() == 0.0 && (0.0..18_446_744_073_709_551_616.0).contains(f));
+    number.as_u64().or(float.map(|f| f as u64)).map(Some).ok_or_else(expected)
+}
+
+fn expected<E: serde::de::Error>() -> E {
+    E::custom(format!("expected a whole number 0 … {MAX_SEED}"))
 }
 
 /// Numbers without a fraction are written without a point.

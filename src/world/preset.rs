@@ -121,10 +121,8 @@ impl Preset {
 struct Written<'a> {
     title: Option<String>,
     description: Option<String>,
-    #[serde(default)]
-    tags: Vec<String>,
-    #[serde(default)]
-    origin: String,
+    tags: Option<Vec<String>>,
+    origin: Option<String>,
     #[serde(borrow)]
     programme: &'a RawValue,
     scale: Option<f64>,
@@ -144,12 +142,13 @@ impl Written<'_> {
         let (elevation, sea_level) = vertical(self.elevation, self.sea_level, &mut checks);
         checks.length("/title", self.title.as_deref().unwrap_or_default(), MAX_TITLE);
         checks.length("/description", self.description.as_deref().unwrap_or_default(), MAX_DESCRIPTION);
-        checks.length("/origin", &self.origin, MAX_ORIGIN);
-        check_tags(&self.tags, &mut checks);
+        let (tags, origin) = (self.tags.unwrap_or_default(), self.origin.unwrap_or_default());
+        checks.length("/origin", &origin, MAX_ORIGIN);
+        check_tags(&tags, &mut checks);
         let base = WrittenBase { programme: self.programme, scale: self.scale.unwrap_or(SCALE), origin: None, amplitude: self.amplitude, datum: self.datum };
         let base = base.complete("", &mut checks);
         let Some(Base { programme, scale, amplitude, datum, .. }) = base.filter(|_| checks.0.is_empty()) else { return Err(DocumentError::Invalid(checks.0)) };
-        let (title, description, tags, origin) = (self.title, self.description, self.tags, self.origin);
+        let (title, description) = (self.title, self.description);
         Ok(Preset { title, description, tags, origin, programme, scale, amplitude, datum, sea_level, seed, elevation })
     }
 }

@@ -114,7 +114,10 @@ pub(super) fn read<'a, T: Deserialize<'a>>(json: &'a [u8]) -> Result<T, Document
 }
 
 /// Reads a part of a document that stands at a pointer; what is wrong is added to the checks.
-pub(super) fn read_value<T: DeserializeOwned>(value: serde_json::Value, at: &str, checks: &mut Checks) -> Option<T> {
+pub(super) fn read_value<T: DeserializeOwned>(mut value: serde_json::Value, at: &str, checks: &mut Checks) -> Option<T> {
+    if let Some(members) = value.as_object_mut() {
+        drop_nulls(members);
+    }
     let error = match serde_path_to_error::deserialize(value) {
         Ok(Object(read)) => return Some(read),
         Err(error) => structural_error(&error),
@@ -126,6 +129,11 @@ pub(super) fn read_value<T: DeserializeOwned>(value: serde_json::Value, at: &str
         DocumentError::Syntax(detail) => checks.add(at, detail),
     }
     None
+}
+
+/// Takes out members that are `null`, which counts as not there.
+pub(super) fn drop_nulls(members: &mut serde_json::Map<String, serde_json::Value>) {
+    members.retain(|_, value| !value.is_null());
 }
 
 /// The same JSON with every number that has no fraction written without a point.

@@ -3,7 +3,7 @@
 use super::{
     World,
     layer::{find_feature, generated, generator_problem, known_sets},
-    problem::{Checks, DocumentError, read_value, whole_numbers},
+    problem::{Checks, DocumentError, drop_nulls, read_value, whole_numbers},
 };
 use crate::{
     geometry::{Elevation, Shape},
@@ -40,6 +40,7 @@ pub(super) fn is_roads(item: &Value) -> bool {
 pub(super) fn roads(world: &World, item: Value, at: &str, checks: &mut Checks) -> Option<Collection> {
     let before = checks.0.len();
     let Value::Object(mut members) = whole_numbers(item) else { return None };
+    drop_nulls(&mut members);
     members.remove("generate");
     if members.remove("seed").is_some() {
         checks.add(&format!("{at}/seed"), "roads follow from the terrain and have no seed: leave it out");

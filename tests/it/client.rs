@@ -1,13 +1,12 @@
 //! Requests to a server without sockets, each held to the `OpenAPI` description.
 
 use axum::{
-    Router,
     body::{Body, Bytes},
     http::{HeaderMap, Method, Request, StatusCode},
 };
 use serde_json::Value;
 use tempfile::TempDir;
-use terrane::server::{App, Config, openapi, router};
+use terrane::server::{App, Config, Front, openapi};
 use tower::ServiceExt;
 
 /// What requests call the server unless they say otherwise.
@@ -42,7 +41,7 @@ impl Answer {
 
 pub(crate) struct Client {
     pub app: App,
-    router: Router,
+    front: Front,
     description: Value,
     folder: TempDir,
 }
@@ -63,15 +62,15 @@ impl Client {
         change(&mut config);
         let app = App::load(&config).await.unwrap();
         let description = serde_json::to_value(openapi()).unwrap();
-        Self { router: router(app.clone()), app, description, folder }
+        Self { front: Front::new(app.clone()), app, description, folder }
     }
 
     /// Starts again over the same folder, with empty caches.
     pub(crate) async fn restart(self, change: impl Fn(&mut Config)) -> Self {
-        let Self { app, router, folder, .. } = self;
+        let Self { app, front, folder, .. } = self;
         app.close().await;
         // The last holders of the folder's lock.
-        drop((app, router));
+        drop((app, front));
         Self::over(folder, change).await
     }
 
@@ -91,7 +90,7 @@ impl Client {
         for (name, value) in headers {
             request = request.header(*name, *value);
         }
-        let response = self.router.clone().oneshot(request.body(body.into()).unwrap()).await.unwrap();
+        let response = self.front.clone().oneshot(request.body(body.into()).unwrap()).await.unwrap();
         let (parts, body) = response.into_parts();
         let body = axum::body::to_bytes(body, usize::MAX).await.unwrap();
         let answer = Answer { status: parts.status, headers: parts.headers, body };

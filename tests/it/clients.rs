@@ -2,6 +2,8 @@
 
 use crate::client::{Answer, Client};
 use axum::http::Method;
+use std::time::Duration;
+use tokio::time::timeout;
 
 const TILE: &str = "/worlds/hills/web/terrarium/9/256/255.png";
 
@@ -54,6 +56,32 @@ async fn every_client_has_its_own_budget_of_evaluation() {
     assert!(refused.header("ratelimit").starts_with("\"compute\";r=0;t="), "{}", refused.header("ratelimit"));
     assert_eq!(from(&client, "192.0.2.2", TILE).await.status, 200, "others have their own");
     assert_eq!(from(&client, "192.0.2.1", TILE).await.status, 200, "what is at hand costs nothing");
+}
+
+/// One thread, and tiles that are predicted to take more than anybody's budget.
+#[tokio::test]
+async fn who_leaves_a_tile_that_waits_has_not_paid_for_it() {
+    let client = Client::with(|config| {
+        config.server.proxies = 1;
+        config.server.threads = 1;
+        config.limits.client_seconds = 1;
+    })
+    .await;
+    let world = r#"{"seed": 1, "base": {"programme": "erosion(fbm(1, 2, 8))", "scale": 1000}}"#;
+    assert_eq!(client.put("/worlds/valleys", world).await.status, 201);
+    let costly = |x: usize| format!("/worlds/valleys/metric/r32/9/{x}/0@257.bin?filter=exact");
+    let (running, waiting) = (costly(0), costly(1));
+    let mut running = Box::pin(from(&client, "192.0.2.1", &running));
+    let mut waiting = Box::pin(from(&client, "192.0.2.2", &waiting));
+    let soon = Duration::from_millis(100);
+    assert!(timeout(soon, &mut running).await.is_err() && timeout(soon, &mut waiting).await.is_err(), "both take seconds");
+    let cold = |x: usize| TILE.replace("256", &x.to_string());
+    let refused = from(&client, "192.0.2.2", &cold(1)).await;
+    assert!(refused.problem().starts_with("429 "), "it has paid for one that waits: {}", refused.problem());
+    drop(waiting);
+    drop(running);
+    assert_eq!(from(&client, "192.0.2.2", &cold(2)).await.status, 200, "all of it came back");
+    assert_eq!(from(&client, "192.0.2.1", &cold(3)).await.status, 200, "a fifth of a second was used");
 }
 
 #[tokio::test]

@@ -1,9 +1,17 @@
 //! Replays what fuzzing has found worth keeping.
 
+#[path = "../../fuzz/fuzz_targets/check_config.rs"]
+mod check_config;
 #[path = "../../fuzz/fuzz_targets/check_features.rs"]
 mod check_features;
+#[path = "../../fuzz/fuzz_targets/check_part.rs"]
+mod check_part;
 #[path = "../../fuzz/fuzz_targets/check_programme.rs"]
 mod check_programme;
+#[path = "../../fuzz/fuzz_targets/check_request.rs"]
+mod check_request;
+#[path = "../../fuzz/fuzz_targets/check_world.rs"]
+mod check_world;
 
 use std::path::Path;
 
@@ -26,4 +34,25 @@ fn the_corpus_of_programmes_holds() {
 #[test]
 fn the_corpus_of_features_holds() {
     replay("features", 30, check_features::check);
+}
+
+#[test]
+fn the_corpus_of_documents_holds() {
+    replay("world", 15, check_world::check);
+}
+
+#[test]
+fn the_corpus_of_requests_holds() {
+    check_request::start();
+    replay("request", 30, check_request::check);
+}
+
+#[test]
+fn the_corpus_of_configurations_holds() {
+    replay("config", 5, check_config::check);
+}
+
+#[test]
+fn the_corpus_of_parts_holds() {
+    replay("part", 5, check_part::check);
 }

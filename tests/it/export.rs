@@ -9,7 +9,7 @@ use futures_util::StreamExt;
 use std::{io::Cursor, time::Duration};
 use terrane::{
     geometry::{Filter, Window},
-    server::router,
+    server::Front,
     world::{Document, EXAMPLES, World},
 };
 use tiff::{
@@ -149,9 +149,9 @@ async fn heads_and_known_tags_evaluate_nothing() {
 async fn a_client_that_leaves_ends_the_evaluation() {
     let client = Client::with(|config| (config.server.threads, config.limits.exports) = (2, 1)).await;
     let path = "/worlds/alps/export?bbox=0,0,1000000,1000000&spacing=125&format=r32";
-    let router = router(client.app.clone());
+    let front = Front::new(client.app.clone());
     let ask = || Request::get(path).header("host", HOST).body(Body::empty()).unwrap();
-    let mut pieces = router.clone().oneshot(ask()).await.unwrap().into_body().into_data_stream();
+    let mut pieces = front.clone().oneshot(ask()).await.unwrap().into_body().into_data_stream();
     let piece = pieces.next().await.unwrap().unwrap();
     assert!(piece.len() >= 8000 * 4);
     assert_eq!(client.get(path).await.problem(), "503 Too many exports are under way; try again later.");
@@ -160,7 +160,7 @@ async fn a_client_that_leaves_ends_the_evaluation() {
     tokio::time::sleep(Duration::from_millis(300)).await;
     let parts = 8000_u64.div_ceil(512) * 8000_u64.div_ceil(131);
     assert!(client.app.export_parts() <= taken + 2 && taken < parts / 4, "{taken} and then {} of {parts} parts", client.app.export_parts());
-    let again = router.oneshot(ask()).await.unwrap();
+    let again = front.oneshot(ask()).await.unwrap();
     assert_eq!(again.status(), StatusCode::OK, "its place is free again");
 }
 

@@ -177,6 +177,7 @@ async fn archives_hold_the_tiles_of_the_server() {
                 let degree = |at: usize| f64::from(i32::from_le_bytes(archive.header[at..at + 4].try_into().unwrap())) / 1e7;
                 assert!((degree(102) - -0.808_483).abs() < 1e-5 && (degree(114) - 0.988_096).abs() < 1e-5, "{} {}", degree(102), degree(114));
                 let said = ["name", "attribution", "encoding"].map(|key| archive.metadata[key].as_str().unwrap());
+                assert_eq!(archive.metadata["tileSize"], if tileset == "fit" { 512 } else { 256 });
                 assert_eq!(said, ["Isles", "me", if tileset == "fit" { "custom" } else { tileset }]);
                 archive.tiles
             } else {
@@ -220,6 +221,7 @@ async fn archives_hold_vector_tiles_compressed_and_none_without_content() {
         let layers = serde_json::from_str::<Value>(&metadata["json"]).unwrap();
         let tilejson = client.get(&format!("/worlds/isle/web/{tileset}")).await.json();
         assert_eq!((&layers["vector_layers"], &archive.metadata["vector_layers"]), (&tilejson["vector_layers"], &tilejson["vector_layers"]));
+        assert!(archive.metadata.get("tileSize").is_none() && !metadata.contains_key("tilesize"), "vector tiles have no pixels");
         assert!(tiles == archive.tiles && !tiles.is_empty(), "the same tiles in both");
         let mut there = 0;
         for (z, x, y) in (509..=515).flat_map(|x| (509..=513).map(move |y| (10, x, y))) {

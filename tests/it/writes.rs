@@ -26,6 +26,68 @@ async fn what_get_gives_can_be_put_and_changes_nothing() {
     assert_eq!(fresh.status, StatusCode::NOT_MODIFIED);
 }
 
+/// Members that may be left out, as `null` and left out: the same document, so the same revision.
+#[tokio::test]
+async fn null_means_left_out() {
+    let client = Client::new().await;
+    let layer = |extra: &str, layout: &str| {
+        format!(r#"{{"seed":1,"base":{{"programme":"0","scale":1}},"layers":[{{"name":"a"{extra},"source":{{"layout":{{{layout}}}}}}}]}}"#)
+    };
+    let item = |generate: &str| layer("", &format!(r#""features":[{generate}]"#));
+    let feature = |properties: &str, more: &str| {
+        let geometry = r#""geometry":{"type":"Point","coordinates":[0,0,5]}"#;
+        item(&format!(
+            r#"{{"type":"Feature","id":"a","properties":{{"attributes":[{{"name":"elevation","value":5,"range":50}}]{properties}}},{geometry}{more}}}"#
+        ))
+    };
+    let nulls = |names: &[&str]| names.iter().map(|name| format!(",\"{name}\":null")).collect::<String>();
+    let cases = [
+        (
+            "worlds",
+            world(1),
+            world(1).replace("20000}", "20000,\"origin\":null,\"amplitude\":null,\"datum\":null}").replacen(
+                '{',
+                r#"{"title":null,"description":null,"attribution":null,"generator":null,"elevation":null,"sea_level":null,"layers":null,"#,
+                1,
+            ),
+        ),
+        ("worlds", world(1).replacen('{', r#"{"elevation":{},"#, 1), world(1).replacen('{', r#"{"elevation":{"min":null,"max":null},"#, 1)),
+        ("worlds", feature("", ""), feature(&nulls(&["elevation", "radius", "detail", "along", "precedence"]), &nulls(&["bbox"]))),
+        (
+            "worlds",
+            layer("", r#""features":[]"#),
+            layer(&nulls(&["blend", "priority", "mask", "fade"]), &format!(r#""features":[]{}"#, nulls(&["attributes", "scatter", "mix", "base", "defaults"]))),
+        ),
+        (
+            "worlds",
+            item(r#"{"generate":"island"}"#),
+            item(
+                r#"{"generate":"island","seed":null,"styles":null,"landmass":{"radius":null,"elevation":null},"ridges":{"step":null},"rivers":null,"lakes":null}"#,
+            ),
+        ),
+        (
+            "programmes",
+            r#"{"programme":"x"}"#.to_owned(),
+            format!(
+                r#"{{"programme":"x"{}}}"#,
+                nulls(&["title", "description", "tags", "origin", "scale", "amplitude", "datum", "sea_level", "seed", "elevation"])
+            ),
+        ),
+    ];
+    for (number, (kind, without, with)) in cases.into_iter().enumerate() {
+        let revision = async |document: &str| {
+            let answer = client.put(&format!("/{kind}/null-{number}"), document).await;
+            assert!(answer.status.is_success(), "{document}: {}", answer.problem());
+            answer.header("etag").to_owned()
+        };
+        assert_eq!(revision(&without).await, revision(&with).await, "{with}");
+    }
+    let point = async |more: &str| client.send(Method::POST, "/worlds/hills/elevation", &[], format!(r#"{{"points":[[1,2]]{more}}}"#)).await;
+    assert_eq!(point(&nulls(&["lonlats", "spacing"])).await.body, point("").await.body);
+    let refused = client.put("/worlds/null", r#"{"seed":null,"base":{"programme":"x","scale":1}}"#).await;
+    assert_eq!(refused.problem(), "422 /seed: expected a whole number 0 … 9007199254740991");
+}
+
 #[tokio::test]
 async fn a_change_changes_plain_tiles_and_leaves_pinned_ones() {
     let client = Client::new().await;

@@ -3,7 +3,7 @@
 use super::{
     coordinates::MOST_VERTICES,
     drawn::Drawn,
-    lines,
+    lines::{self, Rest},
     problem::{Problem, Problems, ReadError},
     read::{Form, Reader, TopSeed},
     sets::Sets,
@@ -11,10 +11,11 @@ use super::{
 use crate::layout::{ContentHash, Feature};
 use rayon::prelude::*;
 use serde::{Serialize, Serializer, de::DeserializeSeed, ser::SerializeMap};
+use serde_json::Deserializer;
 use std::{
     borrow::Cow,
     collections::BTreeMap,
-    io::{BufRead, Read},
+    io::{BufRead, BufReader, Read},
     sync::Arc,
 };
 
@@ -50,9 +51,15 @@ impl Collection {
     /// If it cannot be read or is not JSON, or with every problem found.
     pub fn read(source: impl Read) -> Result<Self, ReadError> {
         let (mut reader, mut source) = (Reader::default(), Plain(source));
-        let (rest, lines) = lines::read(&mut reader, &mut source).map_err(ReadError::Io)?;
-        if reader.count == 0 || !rest.trim_ascii().is_empty() {
-            Self::read_on(&mut reader, rest.chain(source), lines)?;
+        let Rest { bytes, ended, lines } = lines::read(&mut reader, &mut source).map_err(ReadError::Io)?;
+        if reader.count == 0 || !bytes.trim_ascii().is_empty() {
+            // What is in memory is read faster from there.
+            if ended {
+                Self::read_on(&mut reader, Deserializer::from_slice(&bytes), lines)?;
+            } else {
+                let source = BufReader::with_capacity(1 << 16, bytes.chain(source));
+                Self::read_on(&mut reader, Deserializer::from_reader(source), lines)?;
+            }
         }
         let Reader { features, sets, mut problems, form, .. } = reader;
         let read = Self { sets, features, form };
@@ -61,8 +68,7 @@ impl Collection {
     }
 
     /// Reads what follows so many lines, in order.
-    fn read_on(reader: &mut Reader, source: impl Read, lines: usize) -> Result<(), ReadError> {
-        let mut deserializer = serde_json::Deserializer::from_reader(std::io::BufReader::with_capacity(1 << 16, source));
+    fn read_on<'a>(reader: &mut Reader, mut deserializer: Deserializer<impl serde_json::de::Read<'a>>, lines: usize) -> Result<(), ReadError> {
         loop {
             if let Err(error) = TopSeed(reader).deserialize(&mut deserializer) {
                 if error.is_io() {
@@ -88,7 +94,7 @@ impl Collection {
 
     /// Reads features one a line; there may be none.
     pub(super) fn read_lines(source: impl Read) -> Result<Self, ReadError> {
-        let mut source = std::io::BufReader::new(source);
+        let mut source = BufReader::new(source);
         match source.fill_buf() {
             Ok([]) => Ok(Self::default()),
             Ok(_) => Self::read(source),

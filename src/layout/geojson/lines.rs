@@ -14,16 +14,26 @@ const BATCH: usize = 1 << 20;
 /// Batches that are read at once.
 const AT_ONCE: usize = 8;
 
-/// Takes in the features of whole lines as long as nothing is unusual. What was read of the source beyond them is answered, and how many lines were taken in.
+/// What whole lines leave to be read in order.
+pub(super) struct Rest {
+    /// What was read of the source beyond the lines that were taken in.
+    pub bytes: Vec<u8>,
+    /// Whether that is all there is.
+    pub ended: bool,
+    /// How many lines were taken in.
+    pub lines: usize,
+}
+
+/// Takes in the features of whole lines as long as nothing is unusual.
 ///
 /// # Errors
 /// If the source cannot be read.
-pub(super) fn read(reader: &mut Reader, source: &mut impl Read) -> io::Result<(Vec<u8>, usize)> {
+pub(super) fn read(reader: &mut Reader, source: &mut impl Read) -> io::Result<Rest> {
     let (mut bytes, mut lines) = (Vec::new(), 0);
     loop {
         let ended = fill(source, &mut bytes)?;
-        if lines == 0 && !begins_with_value(&bytes) {
-            return Ok((bytes, 0));
+        if lines == 0 && (is_one_line(&bytes, ended) || !begins_with_value(&bytes)) {
+            return Ok(Rest { bytes, ended, lines });
         }
         let batches = cut(&bytes, ended);
         let read: Vec<Option<Reader>> = match batches[..] {
@@ -41,7 +51,7 @@ pub(super) fn read(reader: &mut Reader, source: &mut impl Read) -> io::Result<(V
         let whole = taken == batches.iter().map(|batch| batch.len()).sum::<usize>();
         bytes.drain(..taken);
         if ended || !whole || taken == 0 {
-            return Ok((bytes, lines));
+            return Ok(Rest { bytes, ended, lines });
         }
     }
 }
@@ -52,10 +62,15 @@ fn fill(source: &mut impl Read, bytes: &mut Vec<u8>) -> io::Result<bool> {
     Ok(source.take(more as u64).read_to_end(bytes)? < more)
 }
 
-/// Whether the first line that is not empty is one JSON value.
+/// Whether there is but one line, which is not worth being read twice when something is wrong with it.
+fn is_one_line(bytes: &[u8], ended: bool) -> bool {
+    ended && !bytes.trim_ascii().contains(&b'\n')
+}
+
+/// Whether the first line that is not empty is one JSON object.
 fn begins_with_value(bytes: &[u8]) -> bool {
-    let first = bytes.split(|&byte| byte == b'\n').find(|line| !line.trim_ascii().is_empty());
-    first.is_some_and(|line| serde_json::from_slice::<IgnoredAny>(line).is_ok())
+    let first = bytes.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii).find(|line| !line.is_empty());
+    first.is_some_and(|line| line.starts_with(b"{") && serde_json::from_slice::<IgnoredAny>(line).is_ok())
 }
 
 /// Batches of whole lines; what follows the last line's end is left out unless the source has ended.

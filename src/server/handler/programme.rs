@@ -6,6 +6,7 @@ use crate::server::{
     extract::{Asker, Body, Known, NameOf, Present, PublicUrl, WriteCondition},
     headers::{Freshness, class, hashed, is_fresh, json, not_modified, tagged, timed},
     library::Shown,
+    payment::bought,
     schema::{ProblemDetails, ProgrammeEntry, ProgrammeList, ProgrammeSchema},
     search::Search,
     shelf::Shelved,
@@ -188,8 +189,7 @@ pub(crate) async fn get_preview(
         return Ok(answer(bytes));
     }
     let cost_ns = shown.preview_cost_ns(pixels);
-    asker.pay(&app, cost_ns)?;
     let order = Order { fingerprint, revision: shown.revision().clone(), class: class(&headers), cost_ns, kind: ["preview", "programme"] };
-    let made = app.0.tiles.get(order, move |stop| shown.preview(pixels, stop)).await?;
+    let made = bought(&app, asker, order, move |stop| shown.preview(pixels, stop)).await?;
     Ok(timed(answer(made.bytes), made.timing))
 }

@@ -7,6 +7,8 @@ use crate::{
         error::ApiError,
         extract::{Asker, Known, Links, WorldAt},
         headers::{Freshness, class, is_fresh, json, not_modified, tagged, timed},
+        payment::bought,
+        recall::Origin,
         schema::ProblemDetails,
         shelf::Shelved,
         sidecar::{SidecarSchema, sidecar},
@@ -26,6 +28,7 @@ use axum::{
     response::Response,
 };
 use serde::Deserialize;
+use std::sync::Arc;
 use utoipa::IntoParams;
 
 /// Zoom levels that `TileJSON` announces.
@@ -95,9 +98,14 @@ pub(crate) async fn get_tile(
     if is_fresh(&headers, &tag) {
         return Ok(not_modified(&tag, freshness));
     }
+    let head = if pinned { app.0.worlds.shelf.get(&live.name) } else { Some(Arc::clone(&live)) };
     let answer = move |bytes: Bytes| {
         let mut response = Response::new(Body::from(bytes));
         *response.headers_mut() = described(&request);
+        // What a mesh holds follows from a header, too.
+        if let Some(head) = head.filter(|_| request.tileset != Tileset::QuantizedMesh) {
+            response.extensions_mut().insert(Origin { world: Arc::downgrade(&head), fingerprint, tag: tag.clone() });
+        }
         tagged(response, &tag, freshness)
     };
     // What is at hand must not even be predicted.
@@ -116,14 +124,13 @@ pub(crate) async fn get_tile(
         let detail = format!("samples {spacing} m apart would take this world about {seconds:.0} s a tile: ask for {instead} or a finer zoom");
         return Err(ApiError::parameter(if request.filter == Filter::Exact { "filter" } else { "tile" }, detail));
     }
-    asker.pay(&app, cost_ns)?;
     let kind = [request.tileset.name(), if live.world.document().layers.is_empty() { "programme" } else { "layout" }];
     let order = Order { fingerprint, revision: live.world.revision().clone(), class, cost_ns, kind };
     let draw = move |stop: &Stop| match request.tileset {
         Tileset::Features => tile::render_features(&live.world, &request),
         _ => tile::render(&Until { source: &live.world, stop: stop.clone() }, &request),
     };
-    let made = app.0.tiles.get(order, draw).await?;
+    let made = bought(&app, asker, order, draw).await?;
     Ok(timed(answer(made.bytes), made.timing))
 }
 

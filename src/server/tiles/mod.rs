@@ -43,7 +43,7 @@ const LARGEST_TILE_BYTES: u64 = 1025 * 1025 * 4 + OVERHEAD_BYTES;
 const SHARD_BYTES: u64 = 8 * LARGEST_TILE_BYTES;
 
 /// What a typical tile costs, for the cache's first sizes.
-const TYPICAL_BYTES: u64 = 64 * 1024;
+pub(super) const TYPICAL_BYTES: u64 = 64 * 1024;
 
 /// Why a tile could not be had.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -194,6 +194,11 @@ impl Tiles {
         let shared = Arc::get_mut(&mut self.shared).expect("nothing is made yet");
         shared.disk = Some(Disk::open(folder, bytes).await?);
         Ok(())
+    }
+
+    /// The tile of a fingerprint, if it is in memory; the metrics do not count that.
+    pub(super) fn in_memory(&self, fingerprint: &Fingerprint) -> Option<Bytes> {
+        self.shared.cache.get(fingerprint)
     }
 
     /// The tile of a fingerprint, if it is at hand: in memory or on disk.

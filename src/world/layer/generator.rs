@@ -8,7 +8,7 @@ use crate::{
         geojson::Sets,
     },
     noise,
-    world::problem::{Checks, read_value},
+    world::problem::{Checks, drop_nulls, read_value},
 };
 use serde_json::{Map, Value, json};
 use std::{collections::BTreeMap, sync::Arc};
@@ -64,6 +64,7 @@ impl Seeded {
     /// Reads what stands at a pointer, `{"generate": "island", …}`; problems are added to the checks.
     pub(super) fn read(mut value: Value, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Self> {
         let object = value.as_object_mut()?;
+        drop_nulls(object);
         let name = object.remove("generate");
         let seed = object.remove("seed").map_or(Some(0), |seed| seed.as_u64().or(seed.as_f64().filter(|f| f.fract() == 0.0 && *f >= 0.0).map(|f| f as u64)));
         let Some(seed) = seed.filter(|&seed| seed < 1 << 53) else {
@@ -88,7 +89,7 @@ impl Seeded {
                 Generator::Landmass(read_value(value, at, checks)?)
             }
             Some("rivers") => {
-                let lakes = object.remove("lakes").filter(|lakes| !lakes.is_null());
+                let lakes = object.remove("lakes");
                 let lakes = if let Some(lakes) = lakes { Some(read_value(lakes, &format!("{at}/lakes"), checks)?) } else { None };
                 Generator::Rivers(read_value(value, at, checks)?, lakes)
             }
@@ -116,6 +117,7 @@ impl Seeded {
         let part = |name: &str, default: &str, number: &dyn Fn(&Map<String, Value>) -> f64| {
             let own = object.get(name).cloned().unwrap_or_else(|| json!({}));
             let Value::Object(mut fields) = own else { return own };
+            drop_nulls(&mut fields);
             if !default.is_empty() && !fields.contains_key(default) {
                 fields.insert(default.to_owned(), json!(number(object)));
             }
@@ -126,7 +128,7 @@ impl Seeded {
         let landmass = part("landmass", "elevation", &|_| foot);
         let ridges = part("ridges", "step", &|island| RIDGE_STEP * spacing(island).unwrap_or(Rivers::default().spacing));
         let rivers = part("rivers", "", &|_| 0.0);
-        let lakes = object.get("lakes").filter(|lakes| !lakes.is_null()).cloned();
+        let lakes = object.get("lakes").cloned();
         if ground == Ground::Massif && lakes.is_some() {
             checks.add(&format!("{at}/lakes"), "a massif has no water: leave it out");
             return None;
