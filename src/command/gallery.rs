@@ -7,7 +7,6 @@ use std::{
     fs,
     io::{Write, stdout},
     path::PathBuf,
-    time::Instant,
 };
 use terrane::{
     geometry::{Filter, Stop, Window},
@@ -48,10 +47,9 @@ pub(crate) fn gallery(arguments: &GalleryArguments) -> anyhow::Result<()> {
     let mut pictures = Vec::new();
     for (name, json) in drawings(&arguments.files)? {
         let drawing = Drawing::parse(&json).with_context(|| name.clone())?;
-        let started = Instant::now();
         let plan = Plan::new(&drawing).with_context(|| name.clone())?;
         let heights = plan.heights(&Stop::never(), &|_| {});
-        let (took, settled) = (started.elapsed(), heights.settled);
+        let settled = heights.settled;
         let [columns, rows] = drawing.size.map(|n| n as f64);
         let [x, y] = drawing.origin.map(|c| c - drawing.spacing / 2.0);
         let bbox = [x, y, x + columns * drawing.spacing, y + rows * drawing.spacing];
@@ -62,11 +60,10 @@ pub(crate) fn gallery(arguments: &GalleryArguments) -> anyhow::Result<()> {
         let strokes = plan.strokes();
         writeln!(
             stdout(),
-            "{name}: {} × {} nodes, {strokes} strokes, {} nodes a stroke, {:.3} s",
+            "{name}: {} × {} nodes, {strokes} strokes, {} nodes a stroke",
             drawing.size[0],
             drawing.size[1],
-            settled.nodes / strokes.max(1) as u64,
-            took.as_secs_f64()
+            settled.nodes / strokes.max(1) as u64
         )?;
         pictures.push(image::load_from_memory(&picture)?.to_rgb8());
     }

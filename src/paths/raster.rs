@@ -66,8 +66,8 @@ impl Level {
 }
 
 /// How much farther apart the nodes of a level are than those of the first.
-fn coarseness(level: usize) -> f64 {
-    (level as f64).exp2()
+pub(super) fn coarseness(level: usize) -> f64 {
+    (1_u64 << level) as f64
 }
 
 /// Slope of a monotone cubic at the middle of three points a step apart (Fritsch and Butland 1984): the harmonic mean of the slopes around, 0 at extremes.

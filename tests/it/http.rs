@@ -379,7 +379,7 @@ async fn gis_programs_find_every_world_in_the_capabilities() {
             _ => {}
         }
     }
-    assert_eq!((templates.len(), denominators.len()), (11 * 5, 25));
+    assert_eq!((templates.len(), denominators.len()), (12 * 5, 25));
     // The first scale of the well-known set that it names.
     assert!((denominators[0] - 559_082_264.028_717_8).abs() < 1e-6);
     assert!(xml.contains("<ows:Title>Peaks &amp; &lt;pits&gt;: relief</ows:Title><ows:Abstract>a &quot;new&quot; one</ows:Abstract>"), "{titles:?}");

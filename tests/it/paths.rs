@@ -103,7 +103,7 @@ async fn what_is_wrong_with_a_drawing_is_told_with_its_place() {
         (wrong("/strokes/0/profiles", json!(["cone"])), format!("{at}/drawing/strokes/0/profiles/0: no profile is called \"cone\"; there are flank")),
         (json!({"drawing": {"size": [9, 9], "colour": 1}}), format!("{at}/drawing/colour: unknown field")),
         (json!({}), format!("{at}: paths are either a drawing or endless")),
-        (json!({"endless": {"spacing": 10}}), format!("{at}/endless: missing field")),
+        (json!({"endless": {"spacing": 10}}), format!("{at}/endless/cell: missing field")),
     ] {
         let answer = answer(source).await;
         assert!(answer.problem().starts_with(&problem), "{} for {problem}", answer.problem());

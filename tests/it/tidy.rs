@@ -116,8 +116,8 @@ fn only_the_server_knows_http_and_only_instruction_sets_are_unsafe() {
             let allowed = (tests && word == ".unwrap()") || (clock && word == "Instant::now") || (date && word == "SystemTime");
             assert!(allowed || !code.contains(word), "{name} holds {word}");
         }
-        let kernels =
-            !tests && ["noise/", "programme/", "layout/", "geometry/", "world/", "analysis/", "tile/", "query/"].iter().any(|room| name.starts_with(room));
+        let kernels = !tests
+            && ["noise/", "programme/", "layout/", "paths/", "geometry/", "world/", "analysis/", "tile/", "query/"].iter().any(|room| name.starts_with(room));
         for word in [
             ".sin(",
             ".cos(",

@@ -18,7 +18,7 @@ use super::{
     document::DrawingError,
     lattice::{Frame, Node},
     profile::Scaling,
-    raster::Level,
+    raster::{Level, coarseness},
 };
 use crate::{
     geometry::{Filter, Stop, Window},
@@ -290,9 +290,8 @@ impl Endless {
         let constant = smoothstep(CONSTANT[0] as f32, CONSTANT[1] as f32, cells as f32);
         let ratio = (spacing / self.meshes[0].spacing).max(1.0);
         let last = self.meshes.len() + MOST_HALVINGS;
-        let double = |step: usize| (step as f64).exp2();
-        match (0..last).find(|step| ratio < double(step + 1)) {
-            Some(step) => ([step, step + 1], (ratio / double(step) - 1.0) as f32, constant),
+        match (0..last).find(|step| ratio < coarseness(step + 1)) {
+            Some(step) => ([step, step + 1], (ratio / coarseness(step) - 1.0) as f32, constant),
             None => ([last, last], 0.0, constant),
         }
     }
@@ -311,7 +310,7 @@ impl Endless {
             let step = step.unwrap_or(0);
             let level = self.level(step);
             let halvings = step - level;
-            (self.meshes[level].spacing * (halvings as f64).exp2(), self.nodes(level, halvings, bounds.min, bounds.max, stop))
+            (self.meshes[level].spacing * coarseness(halvings), self.nodes(level, halvings, bounds.min, bounds.max, stop))
         });
         let mut rows = [Vec::new(), Vec::new()];
         let places = [0, 1].map(|k| -> Vec<(i64, f32)> { window.columns.coordinates().map(|x| Level::place(x, levels[k].0)).collect() });
@@ -347,7 +346,8 @@ impl Endless {
             let sides = [0, 1].map(|axis| bounds.max[axis] - bounds.min[axis] + 2.0 * CHUNK as f64 * mesh.spacing);
             let strokes = sides.map(|side| (side + self.reach) / self.drawing.cell).iter().product::<f64>() * self.strokes;
             let finer = self.meshes[0].spacing / mesh.spacing;
-            let overlap = self.settled * self.strokes * (self.meshes[0].spacing / self.drawing.cell).powi(2);
+            let nodes_of_cell = (self.drawing.cell / self.meshes[0].spacing) * (self.drawing.cell / self.meshes[0].spacing);
+            let overlap = self.settled * self.strokes / nodes_of_cell;
             let nodes = sides.map(|side| side / mesh.spacing).iter().product::<f64>();
             strokes * self.settled * finer * finer * NODE_NS + nodes * (1.0 + overlap) * BLEND_NS
         };

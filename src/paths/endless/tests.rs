@@ -130,7 +130,12 @@ fn a_parent_looks_like_its_children() {
         let (parent, child) = (sampled(&endless, &window(2.0 * spacing, 32)), sampled(&endless, &window(spacing, 64)));
         let reduced =
             |i: usize, j: usize| [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[a, b]| f64::from(child[(2 * j + b) * 64 + 2 * i + a])).iter().sum::<f64>() / 4.0;
-        let squares: f64 = (0..32 * 32).map(|n| (f64::from(parent[n]) - reduced(n % 32, n / 32)).powi(2)).sum();
+        let squares: f64 = (0..32 * 32)
+            .map(|n| {
+                let difference = f64::from(parent[n]) - reduced(n % 32, n / 32);
+                difference * difference
+            })
+            .sum();
         let rms = (squares / 1024.0).sqrt() / relief;
         // While the layer fades into its mean, the parent has lost more of it than the child.
         let most = if 2.0 * spacing < CONSTANT[0] * endless.drawing.cell { 0.02 } else { 0.12 };
