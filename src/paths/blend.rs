@@ -1,9 +1,6 @@
 //! The blend of strokes: from their heights at a node to the terrain's (Rusnell 2009, Eq. 3.7, with fades where searches end; they reach 0 just there, so that no step is left).
 
-use super::{
-    lattice::Frame,
-    search::{Generator, Label, Search, Terrain, limits},
-};
+use super::search::{Generator, Label, Search, Terrain, limits};
 use crate::{geometry::Stop, noise::elementary};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -158,7 +155,7 @@ impl<'a> Blender<'a> {
     /// What a stroke's search finds.
     #[cfg(test)]
     pub(super) fn labels(&self, stroke: &Stroke) -> Vec<Label> {
-        self.search(stroke, &Bands::of(&self.terrain.weights.frame), &Mutex::default()).concat()
+        self.search(stroke, &Mutex::default())
     }
 
     /// Of every slot the height above sea level, strokes blended in their order; `done` hears after every batch how many are.
@@ -167,23 +164,21 @@ impl<'a> Blender<'a> {
     #[must_use]
     pub fn heights(&self, strokes: &[Stroke], stop: &Stop, done: &(dyn Fn(usize) + Sync)) -> (Vec<f32>, Settled) {
         let frame = &self.terrain.weights.frame;
-        let bands = Bands::of(frame);
+        // Every thread blends a band of slots.
+        let band = frame.slots().div_ceil(rayon::current_num_threads());
         let mut sums = vec![Sums::default(); frame.slots()];
         let mut settled = Settled::default();
         let idle: Mutex<Vec<Search>> = Mutex::default();
         for (number, batch) in strokes.chunks(BATCH).enumerate() {
-            let found: Vec<Vec<Vec<Label>>> =
-                batch.par_iter().map(|stroke| if stop.is_set() { Vec::new() } else { self.search(stroke, &bands, &idle) }).collect();
+            let search = |stroke: &Stroke| if stop.is_set() { Vec::new() } else { self.search(stroke, &idle) };
+            let found: Vec<Vec<Label>> = batch.par_iter().map(search).collect();
             for labels in &found {
-                let nodes = labels.iter().map(|band| band.len() as u64).sum();
-                settled.nodes += nodes;
-                settled.most = settled.most.max(nodes);
+                settled.nodes += labels.len() as u64;
+                settled.most = settled.most.max(labels.len() as u64);
             }
-            sums.par_chunks_mut(bands.slots).enumerate().for_each(|(band, sums)| {
+            sums.par_chunks_mut(band).enumerate().for_each(|(number, sums)| {
                 for (labels, stroke) in found.iter().zip(batch) {
-                    if let Some(labels) = labels.get(band) {
-                        self.add(sums, band * bands.slots, labels, stroke);
-                    }
+                    self.add(sums, number * band, labels, stroke);
                 }
             });
             done((number * BATCH + batch.len()).min(strokes.len()));
@@ -194,24 +189,22 @@ impl<'a> Blender<'a> {
         (sums.iter().map(|sums| sums.height(self.blending.sea_threshold)).collect(), settled)
     }
 
-    /// The labels of a stroke by bands.
-    fn search(&self, stroke: &Stroke, bands: &Bands, idle: &Mutex<Vec<Search>>) -> Vec<Vec<Label>> {
+    /// The labels of a stroke.
+    fn search(&self, stroke: &Stroke, idle: &Mutex<Vec<Search>>) -> Vec<Label> {
         let taken = idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut search = taken.unwrap_or_else(|| Search::new(&self.terrain, self.limits.clone()));
-        let mut labels = vec![Vec::new(); bands.count];
-        for label in search.run(&self.terrain, &stroke.generators, self.blending.sea_level_cost) {
-            labels[label.slot as usize / bands.slots].push(*label);
-        }
+        let labels = search.run(&self.terrain, &stroke.generators, self.blending.sea_level_cost).to_vec();
         search.clear();
         idle.lock().unwrap_or_else(PoisonError::into_inner).push(search);
         labels
     }
 
-    /// Adds a stroke's labels to the sums of a band that starts at a slot.
+    /// Adds a stroke's labels to the sums of a band that starts at a slot; others are not its own.
     fn add(&self, sums: &mut [Sums], first: usize, labels: &[Label], stroke: &Stroke) {
         let blending = &self.blending;
         for label in labels {
             let slot = label.slot as usize;
+            let Some(sums) = slot.checked_sub(first).and_then(|own| sums.get_mut(own)) else { continue };
             if let Some(&region @ 1..) = self.shut.get(slot)
                 && stroke.member_of.binary_search(&region).is_err()
             {
@@ -220,22 +213,8 @@ impl<'a> Blender<'a> {
             let (height, end) = (blending.sea_level_cost - label.cost, self.ends[slot]);
             let share = smoothstep(end, 2.0 * end, height);
             if share > 0.0 {
-                sums[slot - first].add(height, share, blending.bias.of(slot));
+                sums.add(height, share, blending.bias.of(slot));
             }
         }
-    }
-}
-
-/// How slots are shared out among threads that blend.
-#[derive(Clone, Copy, Debug)]
-struct Bands {
-    count: usize,
-    slots: usize,
-}
-
-impl Bands {
-    fn of(frame: &Frame) -> Self {
-        let slots = frame.stride() * frame.rows.div_ceil(8).max(16);
-        Self { count: frame.slots().div_ceil(slots), slots }
     }
 }
