@@ -1,6 +1,9 @@
 //! The blend of strokes: from their heights at a node to the terrain's (Rusnell 2009, Eq. 3.7, with fades where searches end; they reach 0 just there, so that no step is left).
 
-use super::search::{Generator, Label, Search, Terrain, limits};
+use super::{
+    search::{Generator, Label, Search, Terrain, limits},
+    stroke_search::StrokeSearch,
+};
 use crate::{geometry::Stop, noise::elementary};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -133,6 +136,8 @@ pub struct Blender<'a> {
     /// Of every slot the height up to which a stroke does not count.
     ends: Vec<f32>,
     limits: Vec<f32>,
+    /// Least cost of a step.
+    step: f32,
     /// Of every slot the number of the region that counts its members only, or 0; empty without such.
     shut: &'a [u16],
 }
@@ -143,7 +148,7 @@ impl<'a> Blender<'a> {
     pub fn new(terrain: Terrain<'a>, blending: Blending<'a>, approximate: &[f32], shut: &'a [u16]) -> Self {
         let ends: Vec<f32> = approximate.iter().map(|height| blending.sea_threshold.max(blending.approximate_threshold * height)).collect();
         let limits = limits(&terrain.weights.frame, |slot| blending.sea_level_cost - ends[slot]);
-        Self { terrain, blending, ends, limits, shut }
+        Self { step: terrain.least_step(), terrain, blending, ends, limits, shut }
     }
 
     /// Up to which height a stroke does not count in a slot.
@@ -168,7 +173,7 @@ impl<'a> Blender<'a> {
         let band = frame.slots().div_ceil(rayon::current_num_threads());
         let mut sums = vec![Sums::default(); frame.slots()];
         let mut settled = Settled::default();
-        let idle: Mutex<Vec<Search>> = Mutex::default();
+        let idle: Mutex<Vec<StrokeSearch>> = Mutex::default();
         for (number, batch) in strokes.chunks(BATCH).enumerate() {
             let search = |stroke: &Stroke| if stop.is_set() { Vec::new() } else { self.search(stroke, &idle) };
             let found: Vec<Vec<Label>> = batch.par_iter().map(search).collect();
@@ -190,11 +195,10 @@ impl<'a> Blender<'a> {
     }
 
     /// The labels of a stroke.
-    fn search(&self, stroke: &Stroke, idle: &Mutex<Vec<Search>>) -> Vec<Label> {
+    fn search(&self, stroke: &Stroke, idle: &Mutex<Vec<StrokeSearch>>) -> Vec<Label> {
         let taken = idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        let mut search = taken.unwrap_or_else(|| Search::new(&self.terrain, self.limits.clone()));
-        let labels = search.run(&self.terrain, &stroke.generators, self.blending.sea_level_cost).to_vec();
-        search.clear();
+        let mut search = taken.unwrap_or_else(|| StrokeSearch::new(self.step));
+        let labels = search.labels(&self.terrain, &self.limits, &stroke.generators, self.blending.sea_level_cost);
         idle.lock().unwrap_or_else(PoisonError::into_inner).push(search);
         labels
     }

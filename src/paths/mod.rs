@@ -35,6 +35,7 @@ mod regions;
 mod ridges;
 mod search;
 mod stroke;
+mod stroke_search;
 #[cfg(test)]
 mod tests;
 

@@ -95,10 +95,33 @@ impl Search {
         Self { slots, limits, step: terrain.least_step(), queue: Queue::default(), settled: Vec::new() }
     }
 
+    /// Without room for any slot.
+    pub(super) fn empty(step: f32) -> Self {
+        Self { slots: Vec::new(), limits: Vec::new(), step, queue: Queue::default(), settled: Vec::new() }
+    }
+
+    /// Makes it ready for a window of a terrain whose south-western slot, of the border around it, is number `origin` of the terrain's. No label may leave the window.
+    pub(super) fn fit(&mut self, terrain: &Terrain, limits: &[f32], origin: usize, window: Frame) {
+        let stride = terrain.weights.frame.stride();
+        self.settled.clear();
+        self.slots.clear();
+        for row in 0..window.rows + 2 {
+            let from = origin + row * stride;
+            let weights = &terrain.weights.values[from..from + window.stride()];
+            let first = self.slots.len();
+            self.slots.extend(
+                limits[from..from + window.stride()].iter().zip(weights).map(|(limit, weights)| Slot { label: limit_label(*limit), weights: *weights }),
+            );
+            let border = if row == 0 || row == window.rows + 1 { first..self.slots.len() } else { first..first + 1 };
+            self.slots[border].iter_mut().for_each(|slot| slot.label = 0);
+            if let Some(last) = self.slots.last_mut() {
+                last.label = 0;
+            }
+        }
+    }
+
     /// Labels all that paths from the generators reach below the limits, in the order (cost, row, column): only a settled label leads on, and of two equal ones that of the first
-    /// generator counts.
-    ///
-    /// The labels stay until [`Search::clear`].
+    /// generator counts. The labels stay until the next search.
     pub fn run(&mut self, terrain: &Terrain, generators: &[Generator], sea_level_cost: f32) -> &[Label] {
         if self.queue.clear(sea_level_cost, self.step) {
             self.settle::<true>(terrain, generators);
@@ -167,13 +190,6 @@ impl Search {
             let after = || terrain.profile(from, generator).after(before, &generator.crest, &terrain.weights.of(from))[step];
             (same == origin && after() == cost).then_some(from as u32)
         })
-    }
-
-    /// Takes all labels away.
-    pub fn clear(&mut self) {
-        for label in self.settled.drain(..) {
-            self.slots[label.slot as usize].label = limit_label(self.limits[label.slot as usize]);
-        }
     }
 }
 
