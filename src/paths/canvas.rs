@@ -9,14 +9,23 @@ use crate::{
     noise,
     programme::{self, Programme, Tape},
 };
-use std::collections::BTreeSet;
+use std::{cell::Cell, collections::BTreeSet};
 
 /// Slots, each once, in ascending order.
 pub(super) type Slots = BTreeSet<u32>;
 
+/// Nodes that the shapes of a drawing may have together.
+const MOST_DRAWN: f64 = 8_388_608.0;
+
+/// Predicted nanoseconds that the programmes of a drawing may take together.
+const MOST_NS: f64 = 4e9;
+
 /// A drawing's nodes in the plane.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Canvas {
+    /// Predicted nanoseconds that its programmes took so far, and nodes that its shapes have.
+    spent: Cell<f64>,
+    drawn: Cell<f64>,
     /// What is drawn on.
     pub inner: Frame,
     /// That and a margin around, which paths may use.
@@ -31,12 +40,20 @@ impl Canvas {
     pub(super) fn new(drawing: &Drawing, margin: usize) -> Self {
         let [columns, rows] = drawing.size;
         let inner = Frame { first: Node { row: 0, column: 0 }, columns, rows };
-        Self { inner, frame: inner.grown(margin), origin: drawing.origin, spacing: drawing.spacing, seed: drawing.seed }
+        Self {
+            spent: Cell::new(0.0),
+            drawn: Cell::new(0.0),
+            inner,
+            frame: inner.grown(margin),
+            origin: drawing.origin,
+            spacing: drawing.spacing,
+            seed: drawing.seed,
+        }
     }
 
     /// For strokes in a frame of the plane's lattice, with a margin of so many nodes.
     pub(super) fn around(inner: Frame, margin: usize, spacing: f64) -> Self {
-        Self { inner, frame: inner.grown(margin), origin: [0.0, 0.0], spacing, seed: 0 }
+        Self { spent: Cell::new(0.0), drawn: Cell::new(0.0), inner, frame: inner.grown(margin), origin: [0.0, 0.0], spacing, seed: 0 }
     }
 
     /// The slots of what is drawn on, row by row from the south.
@@ -75,13 +92,22 @@ impl Canvas {
         if !(ramp.scale.is_finite() && ramp.scale > 0.0) {
             return Err(wrong("scale", format!("must be a positive number of metres, got {}", ramp.scale)));
         }
+        let tape = Tape::compile(programme.root());
+        let nodes = self.frame.columns * self.frame.rows;
+        self.spent.set(self.spent.get() + tape.cost_ns(self.spacing / ramp.scale, Filter::Exact, nodes) * nodes as f64);
+        if self.spent.get() > MOST_NS {
+            return Err(wrong(
+                "programme",
+                format!("takes too long at {nodes} nodes, with what is before it: all programmes of a drawing have {} s", MOST_NS / 1e9),
+            ));
+        }
         let frame =
             programme::Frame { seed: noise::key(self.seed, ramp.seed), scale: ramp.scale, origin: [0, 1].map(|axis| self.origin[axis] + ramp.origin[axis]) };
         let axis = |first: i64, origin: f64, count: usize| Axis::new(first, 1, self.spacing, origin, count);
         let columns = axis(self.frame.first.column, self.origin[0], self.frame.columns);
         let rows = axis(self.frame.first.row, self.origin[1], self.frame.rows);
         let mut values = vec![0.0; self.frame.columns * self.frame.rows];
-        Tape::compile(programme.root()).evaluate(&frame, &Window { columns, rows, filter: Filter::Exact }, &mut values);
+        tape.evaluate(&frame, &Window { columns, rows, filter: Filter::Exact }, &mut values);
         if let Some([least, greatest]) = ramp.between {
             let margin = (self.inner.first.row - self.frame.first.row) as usize;
             let inner = values.chunks(self.frame.columns).skip(margin).take(self.inner.rows).flat_map(|row| &row[margin..margin + self.inner.columns]);
@@ -144,9 +170,21 @@ impl Canvas {
         }
     }
 
+    /// Counts nodes of shapes before they are laid out.
+    fn charge(&self, nodes: f64, at: &str) -> Result<(), DrawingError> {
+        self.drawn.set(self.drawn.get() + nodes);
+        if self.drawn.get() <= MOST_DRAWN {
+            Ok(())
+        } else {
+            Err(DrawingError::new(at, format!("shapes have too many nodes: all of a drawing have {MOST_DRAWN}")))
+        }
+    }
+
     /// The nodes along a line: in every column or row that it crosses, whichever are more, the nearest.
     pub(super) fn line(&self, points: &[[f64; 2]], at: &str) -> Result<Slots, DrawingError> {
         self.check(points, at)?;
+        let steps = points.windows(2).map(|pair| (0..2).map(|axis| (pair[1][axis] - pair[0][axis]).abs() / self.spacing).fold(1.0, f64::max));
+        self.charge(steps.sum(), at)?;
         Ok(self.along(points))
     }
 
@@ -191,6 +229,7 @@ impl Canvas {
             for pair in crossings.chunks_exact(2) {
                 let first = (pair[0].ceil() as i64).max(0);
                 let last = (pair[1].floor() as i64).min(self.inner.columns as i64 - 1);
+                self.charge((last - first + 1).max(0) as f64, at)?;
                 slots.extend((first..=last).filter_map(|column| self.slot(column, row)));
             }
         }
@@ -224,16 +263,26 @@ impl Canvas {
         parts
     }
 
-    /// The distance in nodes from a slot to the nearest of some.
-    pub(super) fn distance(&self, slot: u32, to: &Slots) -> f64 {
-        let [x, y] = self.column_row(slot);
-        to.iter()
-            .map(|other| {
-                let [u, v] = self.column_row(*other);
-                (x - u) * (x - u) + (y - v) * (y - v)
-            })
-            .fold(f64::INFINITY, f64::min)
-            .sqrt()
+    /// Of every slot the square of its distance in nodes to the nearest of some, infinite without any (Felzenszwalb and Huttenlocher 2012).
+    pub(super) fn squared_distances(&self, to: &Slots) -> Vec<f64> {
+        let (stride, rows) = (self.frame.stride(), self.frame.rows + 2);
+        let mut squares = vec![f64::INFINITY; self.frame.slots()];
+        for slot in to {
+            squares[*slot as usize] = 0.0;
+        }
+        let mut line = Vec::new();
+        for column in 0..stride {
+            line.clear();
+            line.extend((0..rows).map(|row| squares[row * stride + column]));
+            for (row, square) in nearest(&line).into_iter().enumerate() {
+                squares[row * stride + column] = square;
+            }
+        }
+        for row in squares.chunks_mut(stride) {
+            let near = nearest(row);
+            row.copy_from_slice(&near);
+        }
+        squares
     }
 
     fn column_row(&self, slot: u32) -> [f64; 2] {
@@ -275,6 +324,30 @@ pub(super) fn circle(centre: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
             [centre[0] + radius * libm::cos(angle), centre[1] + radius * libm::sin(angle)]
         })
         .collect()
+}
+
+/// Of every place i of a line the least of (i - j)² + value j: the lower envelope of parabolas.
+fn nearest(values: &[f64]) -> Vec<f64> {
+    let crossing = |a: usize, b: usize| ((values[b] + (b * b) as f64) - (values[a] + (a * a) as f64)) / (2 * (b - a)) as f64;
+    let mut envelope: Vec<(usize, f64)> = Vec::new();
+    for i in (0..values.len()).filter(|i| values[*i].is_finite()) {
+        while let Some((last, from)) = envelope.last().copied() {
+            if crossing(last, i) > from {
+                break;
+            }
+            envelope.pop();
+        }
+        let from = envelope.last().map_or(f64::NEG_INFINITY, |(last, _)| crossing(*last, i));
+        envelope.push((i, from));
+    }
+    let mut part = 0;
+    let of = |i: usize| {
+        while envelope.get(part + 1).is_some_and(|(_, from)| *from < i as f64) {
+            part += 1;
+        }
+        envelope.get(part).map_or(f64::INFINITY, |(j, _)| i.abs_diff(*j).pow(2) as f64 + values[*j])
+    };
+    (0..values.len()).map(of).collect()
 }
 
 fn each<T>(parts: &[T], at: &str, slots: impl Fn(&T, &str) -> Result<Slots, DrawingError>) -> Result<Vec<Slots>, DrawingError> {

@@ -7,6 +7,12 @@ use super::{
 use crate::geometry::PLANE_LIMIT;
 use core::ops::RangeInclusive;
 
+/// Most groups of strokes, and most profiles.
+const MAX_GROUPS: usize = 256;
+
+/// Most rules of ridges.
+const MAX_RULES: usize = 64;
+
 /// Greatest bias: with it the blend is the maximum.
 pub(super) const MAX_BIAS: f64 = 1000.0;
 
@@ -20,6 +26,13 @@ pub(super) fn check(drawing: &Drawing) -> Result<(), DrawingError> {
     let [columns, rows] = drawing.size;
     if columns < 2 || rows < 2 || columns.saturating_mul(rows) > MAX_NODES {
         return Err(DrawingError::new("/size", format!("must be at least 2 × 2 and at most {MAX_NODES} nodes together, got {columns} × {rows}")));
+    }
+    for (at, count, most) in
+        [("/strokes", drawing.strokes.len(), MAX_GROUPS), ("/ridges", drawing.ridges.len(), MAX_RULES), ("/profiles", drawing.profiles.len(), MAX_GROUPS)]
+    {
+        if count > most {
+            return Err(DrawingError::new(at, format!("must be at most {most}, got {count}")));
+        }
     }
     range("/spacing", drawing.spacing, 1e-3..=1e6)?;
     for (axis, origin) in drawing.origin.iter().enumerate() {

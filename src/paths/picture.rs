@@ -6,18 +6,19 @@ use super::{
 };
 use crate::noise;
 use base64::prelude::{BASE64_STANDARD, Engine as _};
-use image::{ImageReader, Limits, RgbImage};
+use image::{ImageError, ImageReader, RgbImage};
 use std::io::Cursor;
 
 /// Most bytes of a picture's file.
 const MAX_BYTES: usize = 16 << 20;
 
-/// Most pixels a side.
-const MAX_SIDE: u32 = 8192;
+/// Most pixels a side of a profile's picture.
+const MAX_SIDE: u32 = 2048;
 
-/// Reads a picture from a `data:` address.
-pub(super) fn decode(data: &str, at: &str) -> Result<RgbImage, DrawingError> {
+/// Reads a picture from a `data:` address, if its size, which is looked at first, may be.
+fn decode(data: &str, at: &str, check: impl Fn(u32, u32) -> Result<(), String>) -> Result<RgbImage, DrawingError> {
     let wrong = |detail: String| DrawingError::new(format!("{at}/data"), detail);
+    let unread = |error: ImageError| wrong(format!("is not a picture that can be read: {error}"));
     let Some((_, text)) = data.strip_prefix("data:image/").and_then(|rest| rest.split_once(";base64,")) else {
         return Err(wrong("must be a picture as a data: address: data:image/png;base64,…".to_owned()));
     };
@@ -25,26 +26,23 @@ pub(super) fn decode(data: &str, at: &str) -> Result<RgbImage, DrawingError> {
         return Err(wrong(format!("must be at most {MAX_BYTES} bytes, got {}", text.len() / 4 * 3)));
     }
     let bytes = BASE64_STANDARD.decode(text).map_err(|error| wrong(format!("is not base64: {error}")))?;
-    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| wrong(error.to_string()))?;
-    let mut limits = Limits::default();
-    (limits.max_image_width, limits.max_image_height, limits.max_alloc) = (Some(MAX_SIDE), Some(MAX_SIDE), Some(512 << 20));
-    reader.limits(limits);
-    if reader.format().is_none() {
+    let reader = || ImageReader::new(Cursor::new(&bytes)).with_guessed_format().map_err(|error| wrong(error.to_string()));
+    if reader()?.format().is_none() {
         return Err(wrong("is neither PNG nor JPEG nor WebP".to_owned()));
     }
-    Ok(reader.decode().map_err(|error| wrong(format!("is not a picture that can be read: {error}")))?.to_rgb8())
+    let (width, height) = reader()?.into_dimensions().map_err(unread)?;
+    check(width, height).map_err(wrong)?;
+    Ok(reader()?.decode().map_err(unread)?.to_rgb8())
 }
 
 impl Canvas {
     /// A picture of just the drawing's size.
     fn sized(&self, file: &PictureFile, at: &str) -> Result<RgbImage, DrawingError> {
-        let image = decode(&file.data, at)?;
         let [columns, rows] = [self.inner.columns, self.inner.rows].map(|n| n as u32);
-        if image.dimensions() != (columns, rows) {
-            let (width, height) = image.dimensions();
-            return Err(DrawingError::new(format!("{at}/data"), format!("must be {columns} × {rows} pixels like the drawing, got {width} × {height}")));
-        }
-        Ok(image)
+        decode(&file.data, at, |width, height| {
+            let fits = (width, height) == (columns, rows);
+            if fits { Ok(()) } else { Err(format!("must be {columns} × {rows} pixels like the drawing, got {width} × {height}")) }
+        })
     }
 
     /// The slots of a picture's pixels, whose rows run from the north.
@@ -114,7 +112,9 @@ impl Canvas {
 
 /// The curve of a profile's picture: of each column the uppermost pixel darker than half.
 pub(super) fn curve(data: &str, at: &str) -> Result<Vec<[f64; 2]>, DrawingError> {
-    let image = decode(data, at)?;
+    let image = decode(data, at, |width, height| {
+        if width.max(height) > MAX_SIDE { Err(format!("must be at most {MAX_SIDE} pixels a side, got {width} × {height}")) } else { Ok(()) }
+    })?;
     let dark = |x: u32| (0..image.height()).find(|y| image.get_pixel(x, *y).0.iter().map(|c| u32::from(*c)).sum::<u32>() < 3 * 128);
     Ok((0..image.width()).filter_map(|x| dark(x).map(|y| [f64::from(x), -f64::from(y)])).collect())
 }

@@ -19,6 +19,12 @@ use std::collections::BTreeSet;
 /// Most nodes of a drawing.
 pub const MAX_NODES: usize = 1 << 24;
 
+/// Most nodes of a drawing with all that its strokes reach.
+const MAX_UNBOUNDED: usize = 1 << 22;
+
+/// Most nodes that searches for regions which shut strokes out may go over, a frame a region.
+const MOST_SHUT: usize = 1 << 28;
+
 /// Most steps from a crest to where its paths end.
 pub const MAX_REACH: usize = 1024;
 
@@ -80,6 +86,10 @@ impl Plan {
     /// # Errors
     /// As [`Plan::new`], or if its strokes may reach more than [`MAX_REACH`] nodes, or there are more than [`MAX_NODES`] with what they reach.
     pub fn unbounded(drawing: &Drawing) -> Result<Self, DrawingError> {
+        let [columns, rows] = drawing.size;
+        if columns.saturating_mul(rows) > MAX_UNBOUNDED {
+            return Err(DrawingError::new("/size", format!("must be at most {MAX_UNBOUNDED} nodes together, got {columns} × {rows}")));
+        }
         let mut plan = Self::new(drawing)?;
         let mut margin = 0;
         while plan.reach() > margin {
@@ -91,10 +101,10 @@ impl Plan {
                 ));
             }
             let [columns, rows] = drawing.size.map(|n| n + 2 * margin);
-            if columns.saturating_mul(rows) > MAX_NODES {
+            if columns.saturating_mul(rows) > MAX_UNBOUNDED {
                 return Err(DrawingError::new(
                     "/size",
-                    format!("with the {margin} nodes that strokes may reach these are {columns} × {rows}, more than {MAX_NODES} together"),
+                    format!("with the {margin} nodes that strokes may reach these are {columns} × {rows}, more than {MAX_UNBOUNDED} together"),
                 ));
             }
             plan = Self::with_margin(drawing, margin)?;
@@ -176,6 +186,13 @@ impl Plan {
             used,
             thresholds: [drawing.sea_threshold as f32, drawing.approximate_threshold as f32],
         };
+        let shut = plan.shut_regions().len();
+        if shut.saturating_mul(plan.canvas.frame.slots()) > MOST_SHUT {
+            return Err(DrawingError::new(
+                "/strokes",
+                format!("{shut} regions that shut others out are too many for so many nodes: {MOST_SHUT} of all together"),
+            ));
+        }
         for (i, mask) in drawing.masks.iter().enumerate() {
             plan.floors.extend(floor(&plan.canvas, mask, &profiles, mean, drawing.least_scale, &mut plan.scalings, &format!("/masks/{i}"))?);
         }

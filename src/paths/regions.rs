@@ -9,6 +9,13 @@ use super::{
     stroke::Drawn,
 };
 
+/// Most masks, and most regions with what lies inside outlines.
+const MAX_MASKS: usize = 256;
+const MAX_REGIONS: usize = 4096;
+
+/// Most nodes inside outlines, counted for each.
+const MOST_COVERED: usize = 1 << 24;
+
 /// Regions by number from 1: what profile rules there, and which groups count.
 pub(super) struct Regions {
     pub slots: Vec<u16>,
@@ -27,6 +34,9 @@ pub(super) struct Floor {
 /// Masks, and what lies inside outlines; later ones over earlier ones.
 pub(super) fn regions(canvas: &Canvas, drawing: &Drawing, profiles: &Profiles, drawn: &mut [Drawn]) -> Result<Regions, DrawingError> {
     let mut regions = Regions { slots: vec![0; canvas.frame.slots()], profiles: Vec::new(), shut: Vec::new() };
+    if drawing.masks.len() > MAX_MASKS {
+        return Err(DrawingError::new("/masks", format!("must be at most {MAX_MASKS} masks, got {}", drawing.masks.len())));
+    }
     for (i, mask) in drawing.masks.iter().enumerate().filter(|(_, mask)| mask.depth.is_none()) {
         let at = format!("/masks/{i}");
         let groups = group_numbers(drawing, &mask.only, &format!("{at}/only"))?;
@@ -36,11 +46,18 @@ pub(super) fn regions(canvas: &Canvas, drawing: &Drawing, profiles: &Profiles, d
             drawn.member_of.push(region);
         }
     }
+    let mut covered = 0;
     for drawn in drawn.iter_mut() {
         let Some(inside) = &drawing.strokes[drawn.group].inside else { continue };
         let profile = profile_number(profiles, &inside.profile, &format!("/strokes/{}/inside/profile", drawn.group))?;
         let outline: Slots = drawn.nodes.keys().copied().collect();
-        let region = regions.add(&canvas.inside(&outline), Some(profile), inside.only);
+        let slots = canvas.inside(&outline);
+        covered += slots.len() + outline.len();
+        if covered > MOST_COVERED || regions.profiles.len() >= MAX_REGIONS {
+            let at = format!("/strokes/{}/inside", drawn.group);
+            return Err(DrawingError::new(at, format!("outlines hold too much: at most {MOST_COVERED} nodes together, in {MAX_REGIONS} regions")));
+        }
+        let region = regions.add(&slots, Some(profile), inside.only);
         drawn.member_of.push(region);
     }
     Ok(regions)

@@ -1,15 +1,17 @@
 //! Ridges: least-cost paths from random nodes back to the strokes they grow from.
 
 use super::{
-    canvas::{Canvas, Slots},
+    canvas::Canvas,
     check::group_numbers,
     document::{Drawing, DrawingError},
-    plan::MAX_STROKES,
     search::{Generator, Search, Terrain, limits},
     stroke::Drawn,
 };
 use crate::noise;
 use std::collections::BTreeMap;
+
+/// Most ridges of a rule.
+const MAX_RIDGES: usize = 10_000;
 
 /// Nodes that are tried for every ridge.
 const TRIES: u64 = 1000;
@@ -21,19 +23,23 @@ pub(super) fn grow(canvas: &Canvas, drawing: &Drawing, terrain: &Terrain, sea_le
         if !(0.0..=1.0).contains(&rule.share) {
             return Err(DrawingError::new(format!("{at}/share"), format!("must be 0 … 1, got {}", rule.share)));
         }
-        if rule.count > MAX_STROKES {
-            return Err(DrawingError::new(format!("{at}/count"), format!("must be at most {}, got {}", MAX_STROKES, rule.count)));
+        if rule.count > MAX_RIDGES {
+            return Err(DrawingError::new(format!("{at}/count"), format!("must be at most {MAX_RIDGES}, got {}", rule.count)));
         }
         let groups = group_numbers(drawing, &rule.of, &format!("{at}/of"))?;
         let chosen: Vec<usize> = (0..drawn.len()).filter(|i| groups.is_empty() || groups.contains(&drawn[*i].group)).collect();
         let grown = Grown::new(terrain, sea_level_cost as f32, drawn, &chosen);
-        let near: Slots = chosen.iter().flat_map(|i| drawn[*i].nodes.keys().copied()).collect();
+        let near = rule.within.map(|within| {
+            let nodes = within / canvas.spacing;
+            (canvas.squared_distances(&chosen.iter().flat_map(|i| drawn[*i].nodes.keys().copied()).collect()), nodes * nodes)
+        });
         let mut taken: BTreeMap<u32, usize> = chosen.iter().rev().flat_map(|i| drawn[*i].nodes.keys().map(|slot| (*slot, *i))).collect();
         let key = noise::key(noise::key(canvas.seed, 3), number as u64);
         for ridge in 0..rule.count as u64 {
             let own = noise::key(key, ridge);
             let fits = |slot: u32| {
-                grown.reaches(slot) && !taken.contains_key(&slot) && rule.within.is_none_or(|within| canvas.distance(slot, &near) <= within / canvas.spacing)
+                let is_near = near.as_ref().is_none_or(|(squares, most)| squares[slot as usize] <= *most);
+                is_near && grown.reaches(slot) && !taken.contains_key(&slot)
             };
             let Some(start) = (0..TRIES).map(|n| canvas.by_chance(own, n)).find(|slot| fits(*slot)) else {
                 return Err(DrawingError::new(at, format!("there is no node left for ridge {ridge} to begin at: {TRIES} were tried")));

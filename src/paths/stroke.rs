@@ -17,6 +17,9 @@ use std::collections::BTreeMap;
 /// Places that are tried for everything that is scattered.
 const TRIES: u64 = 1000;
 
+/// Most ranges of bands.
+const MAX_RANGES: usize = 64;
+
 /// A stroke as it was drawn.
 #[derive(Clone, Debug)]
 pub(super) struct Drawn {
@@ -93,15 +96,14 @@ fn scattered(canvas: &Canvas, drawing: &Drawing, scatter: &Scatter, before: &[Dr
         return Err(DrawingError::new(format!("{at}/count"), format!("must be at most {MAX_STROKES}, got {}", scatter.count)));
     }
     let within = scatter.within.as_ref().map(|geometry| canvas.covered(geometry, &format!("{at}/within"))).transpose()?;
-    let mut away: Vec<(Slots, f64)> = Vec::new();
+    let mut away: Vec<(Vec<f64>, f64)> = Vec::new();
     for (name, distance) in &scatter.away {
         let groups = group_numbers(drawing, core::slice::from_ref(name), &format!("{at}/away"))?;
         let slots = before.iter().filter(|drawn| groups.contains(&drawn.group)).flat_map(|drawn| drawn.nodes.keys().copied());
-        away.push((slots.collect(), distance / canvas.spacing));
+        let nodes = distance / canvas.spacing;
+        away.push((canvas.squared_distances(&slots.collect()), nodes * nodes));
     }
-    let fits = |slot: u32| {
-        within.as_ref().is_none_or(|within| within.contains(&slot)) && away.iter().all(|(slots, distance)| canvas.distance(slot, slots) >= *distance)
-    };
+    let fits = |slot: u32| within.as_ref().is_none_or(|within| within.contains(&slot)) && away.iter().all(|(squares, least)| squares[slot as usize] >= *least);
     // What is added to a drawing must not move what was scattered before.
     let key = noise::key(noise::key(canvas.seed, 2), before.last().map_or(0, |drawn| drawn.group as u64 + 1));
     let mut parts = Vec::new();
@@ -125,6 +127,9 @@ fn scattered(canvas: &Canvas, drawing: &Drawing, scatter: &Scatter, before: &[Dr
 
 /// Nodes by the cost of their path from a line, without profile.
 fn banded(canvas: &Canvas, bands: &Bands, weights: &Weights, at: &str) -> Result<Vec<Part>, DrawingError> {
+    if bands.ranges.len() > MAX_RANGES {
+        return Err(DrawingError::new(format!("{at}/ranges"), format!("must be at most {MAX_RANGES} ranges, got {}", bands.ranges.len())));
+    }
     let from = canvas.covered(&bands.from, &format!("{at}/from"))?;
     // Farther than any path across the drawing.
     let most = (canvas.inner.columns + canvas.inner.rows) as f32 * 4.0 * weights.greatest();

@@ -160,6 +160,22 @@ fn flanks_have_the_profiles_that_were_drawn() {
 }
 
 #[test]
+fn distances_are_those_to_the_nearest() {
+    let canvas = canvas::Canvas::new(&lines("", "[[[70, 60], [90, 60]]]"), 3);
+    let some: canvas::Slots = (0..40).map(|n| canvas.by_chance(9, n)).collect();
+    let squares = canvas.squared_distances(&some);
+    let place = |slot: u32| canvas.frame.node(slot as usize);
+    for slot in (0..canvas.frame.slots() as u32).step_by(7) {
+        let to = |other: &u32| {
+            let (a, b) = (place(slot), place(*other));
+            ((a.column - b.column).pow(2) + (a.row - b.row).pow(2)) as f64
+        };
+        assert_eq!(squares[slot as usize], some.iter().map(to).fold(f64::INFINITY, f64::min), "slot {slot}");
+    }
+    assert!(canvas.squared_distances(&canvas::Slots::new()).iter().all(|square| *square == f64::INFINITY));
+}
+
+#[test]
 fn nodes_keep_their_heights_at_every_finer_zoom() {
     let drawing = lines("", "[[[40, 30], [90, 80]], [[100, 20], [100, 90]]]");
     let heights = Plan::unbounded(&drawing).expect("a plan").heights(&Stop::never(), &|_| {});
@@ -192,7 +208,7 @@ fn what_cannot_be_is_refused_with_its_place() {
     let refused = |change: &dyn Fn(&mut serde_json::Value), pointer: &str| {
         let mut json = serde_json::to_value(lines("", "[[[70, 60], [90, 60]]]")).expect("JSON");
         change(&mut json);
-        let error = Drawing::parse(json.to_string().as_bytes()).and_then(|drawing| Plan::unbounded(&drawing)).expect_err(pointer);
+        let error = Drawing::parse(json.to_string().as_bytes()).and_then(|drawing| Plan::unbounded(&drawing)).map(|plan| plan.strokes()).expect_err(pointer);
         assert_eq!(error.pointer, pointer, "{error}");
         assert!(!error.detail.is_empty());
     };
@@ -212,6 +228,26 @@ fn what_cannot_be_is_refused_with_its_place() {
     refused(&|drawing| drawing["masks"] = json!([{"geometry": {"type": "Point", "coordinates": [0, 0]}, "only": ["nobody"]}]), "/masks/0/only");
     refused(&|drawing| drawing["ridges"] = json!([{"count": 1, "share": 1.5}]), "/ridges/0/share");
     refused(&|drawing| drawing["colour"] = json!("red"), "/colour");
+    // What would take minutes or gigabytes.
+    refused(&|drawing| drawing["size"] = json!([4000, 4000]), "/size");
+    refused(
+        &|drawing| {
+            drawing["size"] = json!([1500, 1500]);
+            drawing["strokes"][0]["cost"] = json!({"programme": "erosion(erosion(erosion(fbm(1, 2, 8))))", "scale": 100});
+        },
+        "/strokes/0/cost/programme",
+    );
+    let square = json!([[[0, 0], [900, 0], [900, 900], [0, 900], [0, 0]]]);
+    refused(
+        &|drawing| {
+            drawing["size"] = json!([1000, 1000]);
+            drawing["strokes"][0]["shape"]["geometry"] = json!({"type": "MultiPolygon", "coordinates": vec![square.clone(); 40]});
+        },
+        "/strokes/0/shape/geometry/coordinates/10",
+    );
+    let rings = json!({"shape": {"scatter": {"count": 5000, "radius": [2, 3]}}, "cost": 3, "inside": {"profile": "cone", "only": true}});
+    refused(&|drawing| drawing["strokes"][0] = rings.clone(), "/strokes/0/inside");
+    refused(&|drawing| drawing["ridges"] = json!([{"count": 100_000, "share": 0.5}]), "/ridges/0/count");
     let picture = |data: &str| json!({"sketch": {"picture": {"data": data}, "colour": "#000000"}});
     refused(&|drawing| drawing["strokes"][0]["shape"] = picture("red.png"), "/strokes/0/shape/sketch/picture/data");
     refused(&|drawing| drawing["strokes"][0]["shape"] = picture("data:image/png;base64,!"), "/strokes/0/shape/sketch/picture/data");

@@ -36,8 +36,14 @@ use std::{
 /// Nodes of a chunk along each axis.
 const CHUNK: usize = 64;
 
-/// Strokes and chunks that are kept.
-const KEPT_PATCHES: NonZeroUsize = NonZeroUsize::new(256).expect("not 0");
+/// Bytes of strokes that are kept, about, and most of them.
+const KEPT_BYTES: f64 = 128e6;
+const KEPT_PATCHES: f64 = 1024.0;
+
+/// Most nodes that a stroke's search may have to go over.
+const MOST_SEARCHED: f64 = 4_194_304.0;
+
+/// Chunks that are kept.
 const KEPT_CHUNKS: NonZeroUsize = NonZeroUsize::new(2048).expect("not 0");
 
 /// Halvings by which samples see a lattice before they see the next one.
@@ -105,6 +111,14 @@ impl Endless {
         let rules = drawing.rules()?;
         let meshes = drawing.meshes(&rules)?;
         let beyond = rules.iter().map(Rule::beyond).fold(0.0, f64::max);
+        let across = (1.5 * beyond.max(drawing.spacing) / drawing.spacing) + 2.0 * meshes[0].reach as f64;
+        if across * across > MOST_SEARCHED {
+            let detail = format!(
+                "a stroke with all that it may reach is {across:.0} nodes across, {:.0} are the most: make strokes shorter, profiles less wide or the spacing greater",
+                libm::sqrt(MOST_SEARCHED)
+            );
+            return Err(DrawingError::new("/strokes", detail));
+        }
         let reach = meshes.iter().map(|mesh| mesh.reach as f64 * mesh.spacing).fold(0.0, f64::max);
         let mut endless = Self {
             strokes: rules.iter().map(Rule::expected).sum(),
@@ -115,7 +129,7 @@ impl Endless {
             beyond,
             reach,
             settled: 0.0,
-            patches: Mutex::new(LruCache::new(KEPT_PATCHES)),
+            patches: Mutex::new(LruCache::new(NonZeroUsize::MIN)),
             chunks: Mutex::new(LruCache::new(KEPT_CHUNKS)),
         };
         endless.measure();
@@ -139,7 +153,9 @@ impl Endless {
         }
         let ratio = self.meshes[level].spacing / self.meshes[0].spacing;
         self.settled = settled as f64 / f64::from(strokes.max(1)) * ratio * ratio;
-        self.patches.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        // What is kept of a stroke is the rectangle around the nodes that it settled.
+        let kept = (KEPT_BYTES / (self.settled * 6.0).max(1.0)).clamp(8.0, KEPT_PATCHES);
+        self.patches = Mutex::new(LruCache::new(NonZeroUsize::new(kept as usize).unwrap_or(NonZeroUsize::MIN)));
     }
 
     /// Most steps of a path on the finest lattice.

@@ -170,4 +170,12 @@ fn what_cannot_be_is_refused_with_its_place() {
     refused(&|drawing| drawing.strokes[0].profiles[0] = "none".to_owned(), "/strokes/0/profiles/0");
     refused(&|drawing| drawing.strokes[1].rings = None, "/strokes/1");
     refused(&|drawing| drawing.strokes.clear(), "/strokes");
+    let long = Chains { count: [1, 1], length: [90_000.0, 90_000.0], wander: 0.4, spurs: 0 };
+    refused(
+        &|drawing| {
+            drawing.cell = 200_000.0;
+            drawing.strokes[0].chains = Some(long.clone());
+        },
+        "/strokes",
+    );
 }
