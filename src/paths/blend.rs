@@ -62,8 +62,6 @@ pub struct Settled {
 }
 
 /// Of every slot the height above sea level of the one search from all generators, 0 where none arrives (the approximate field).
-///
-/// Stopped, it is not whole.
 #[must_use]
 pub fn approximate(terrain: &Terrain, generators: &[Generator], sea_level_cost: f32) -> Vec<f32> {
     let mut search = Search::new(terrain, limits(&terrain.weights.frame, |_| sea_level_cost));

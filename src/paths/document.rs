@@ -76,7 +76,7 @@ pub struct Drawing {
     pub masks: Vec<Mask>,
 }
 
-fn one() -> f64 {
+pub(super) fn one() -> f64 {
     1.0
 }
 
@@ -88,11 +88,11 @@ fn usual_sea_threshold() -> f64 {
     0.5
 }
 
-fn usual_approximate_threshold() -> f64 {
+pub(super) fn usual_approximate_threshold() -> f64 {
     0.05
 }
 
-fn usual_least_scale() -> f64 {
+pub(super) fn usual_least_scale() -> f64 {
     0.001
 }
 

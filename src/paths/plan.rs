@@ -84,7 +84,7 @@ impl Plan {
     /// The same with all the ground around the drawing that its strokes reach: there is no border that paths end at.
     ///
     /// # Errors
-    /// As [`Plan::new`], or if its strokes may reach more than [`MAX_REACH`] nodes, or there are more than [`MAX_NODES`] with what they reach.
+    /// As [`Plan::new`], or if its strokes may reach more than [`MAX_REACH`] nodes, or there are more than 2^22 nodes with what they reach.
     pub fn unbounded(drawing: &Drawing) -> Result<Self, DrawingError> {
         let [columns, rows] = drawing.size;
         if columns.saturating_mul(rows) > MAX_UNBOUNDED {
@@ -240,7 +240,7 @@ impl Plan {
         self.finish(self.field(), Settled::default())
     }
 
-    /// The heights; `done` hears how many strokes are blended. Stopped, they are not whole.
+    /// The heights; `done` hears how many strokes are blended. Stopped, which is looked at before every stroke, they are not whole.
     #[must_use]
     pub fn heights(&self, stop: &Stop, done: &(dyn Fn(usize) + Sync)) -> Heights {
         let (heights, settled) = self.blend(stop, done);

@@ -9,7 +9,7 @@ use crate::{
     paths::{
         MAX_REACH,
         check::range,
-        document::{DrawingError, Inside, Quantity, WrittenProfile},
+        document::{DrawingError, Inside, Quantity, WrittenProfile, one, usual_approximate_threshold, usual_least_scale},
         lattice::Diagonal,
         profile::{Crest, Scaling},
         profiles::{profile_number, profiles, scalings},
@@ -66,10 +66,6 @@ pub struct EndlessDrawing {
     pub strokes: Vec<CellStrokes>,
 }
 
-fn one() -> f64 {
-    1.0
-}
-
 fn usual_mean() -> f64 {
     1.0
 }
@@ -84,14 +80,6 @@ fn usual_bias() -> f64 {
 
 fn usual_sea_threshold() -> f64 {
     2.0
-}
-
-fn usual_approximate_threshold() -> f64 {
-    0.05
-}
-
-fn usual_least_scale() -> f64 {
-    0.001
 }
 
 /// Strokes of a cell that share profiles and costs.

@@ -75,6 +75,9 @@ struct Mesh {
     reach: usize,
 }
 
+/// Heights by lattice and place.
+type Chunks = LruCache<(usize, [i64; 2]), Arc<[f32]>>;
+
 type Kept<K, V> = Mutex<LruCache<K, Arc<OnceLock<V>>>>;
 
 /// What was kept under a key, or is made now. Whoever asks for what another makes waits for it.
@@ -97,7 +100,7 @@ pub struct Endless {
     settled: f64,
     strokes: f64,
     patches: Kept<(usize, [i64; 2], u32), Arc<Patch>>,
-    chunks: Kept<(usize, [i64; 2]), Arc<[f32]>>,
+    chunks: Mutex<Chunks>,
 }
 
 impl Endless {
@@ -247,16 +250,15 @@ impl Endless {
     }
 
     fn chunk(&self, level: usize, [i, j]: [i64; 2], stop: &Stop) -> Arc<[f32]> {
-        let first = Node { row: j * CHUNK as i64, column: i * CHUNK as i64 };
-        let make = || -> Arc<[f32]> { self.heights(level, &Frame { first, columns: CHUNK, rows: CHUNK }, stop).into() };
-        let known = self.chunks.lock().unwrap_or_else(PoisonError::into_inner).get(&(level, [i, j])).cloned();
-        if let Some(chunk) = known.as_ref().and_then(|once| once.get()) {
+        let chunks = || self.chunks.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(chunk) = chunks().get(&(level, [i, j])) {
             return Arc::clone(chunk);
         }
+        let first = Node { row: j * CHUNK as i64, column: i * CHUNK as i64 };
+        let chunk: Arc<[f32]> = self.heights(level, &Frame { first, columns: CHUNK, rows: CHUNK }, stop).into();
         // What was stopped is not whole and must not be kept.
-        let chunk = make();
         if !stop.is_set() {
-            kept(&self.chunks, (level, [i, j]), || Arc::clone(&chunk));
+            chunks().put((level, [i, j]), Arc::clone(&chunk));
         }
         chunk
     }
@@ -322,20 +324,22 @@ impl Endless {
             return;
         }
         let bounds = window.bounds();
-        let levels = steps.map(|step| (step > 0 || share < 1.0).then_some(step)).map(|step| {
-            let step = step.unwrap_or(0);
-            let level = self.level(step);
+        let used = &steps[..if share > 0.0 { 2 } else { 1 }];
+        let seen = |step: &usize| {
+            let level = self.level(*step);
             let halvings = step - level;
-            (self.meshes[level].spacing * coarseness(halvings), self.nodes(level, halvings, bounds.min, bounds.max, stop))
-        });
+            let spacing = self.meshes[level].spacing * coarseness(halvings);
+            let columns: Vec<(i64, f32)> = window.columns.coordinates().map(|x| Level::place(x, spacing)).collect();
+            (spacing, columns, self.nodes(level, halvings, bounds.min, bounds.max, stop))
+        };
+        let levels: Vec<_> = used.iter().map(seen).collect();
         let mut rows = [Vec::new(), Vec::new()];
-        let places = [0, 1].map(|k| -> Vec<(i64, f32)> { window.columns.coordinates().map(|x| Level::place(x, levels[k].0)).collect() });
         for (y, out) in window.rows.coordinates().zip(out.chunks_mut(window.columns.len())) {
             if stop.is_set() {
                 return;
             }
-            for k in 0..if share > 0.0 { 2 } else { 1 } {
-                levels[k].1.row(Level::place(y, levels[k].0), &places[k], &mut rows[k]);
+            for ((spacing, columns, nodes), row) in levels.iter().zip(&mut rows) {
+                nodes.row(Level::place(y, *spacing), columns, row);
             }
             for (i, out) in out.iter_mut().enumerate() {
                 let mut height = rows[0][i];
