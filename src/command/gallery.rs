@@ -10,7 +10,7 @@ use std::{
 };
 use terrane::{
     geometry::{Filter, Stop, Window},
-    paths::{Drawing, PRESET_DRAWINGS, Plan, Raster},
+    paths::{Drawing, PRESET_DRAWINGS, Plan},
     tile::preview,
 };
 
@@ -54,7 +54,7 @@ pub(crate) fn gallery(arguments: &GalleryArguments) -> anyhow::Result<()> {
         let [x, y] = drawing.origin.map(|c| c - drawing.spacing / 2.0);
         let bbox = [x, y, x + columns * drawing.spacing, y + rows * drawing.spacing];
         let window = Window::area(bbox, drawing.spacing, Filter::Exact, 1 << 26)?;
-        let picture = preview(&Raster::new(&drawing, heights), &window, -1.0)?;
+        let picture = preview(&heights.raster(&drawing), &window, -1.0)?;
         fs::write(arguments.output.join(format!("{name}.png")), &picture)?;
         fs::write(arguments.output.join(format!("{name}.json")), &json)?;
         let strokes = plan.strokes();

@@ -1,7 +1,7 @@
 //! Terrain by path costs: ridges where somebody draws them, flanks shaped by profiles, roughness from random weights of edges (Rusnell, "Distance-based synthesis of terrain", 2009).
 //!
 //! A [`Drawing`] is read from JSON and made a [`Plan`]: a [lattice](Weights), strokes of [generators](Generator) that paths start from, and [profiles](Profile) that say what a step
-//! costs. One [`Search`] a stroke gives its heights, and the [blend](Blending) of all of them the terrain, which a [`Raster`] puts in the plane.
+//! costs. One [`Search`] a stroke gives its heights, and the [blend](Blending) of all of them the terrain, which a [`Raster`](crate::geometry::Raster) puts in the plane.
 //!
 //! ```
 //! use terrane::{geometry::Stop, paths::{Drawing, Plan}};
@@ -28,7 +28,6 @@ mod preset;
 mod profile;
 mod profiles;
 mod queue;
-mod raster;
 #[cfg(test)]
 mod reference;
 mod regions;
@@ -49,5 +48,4 @@ pub use lattice::{Diagonal, Frame, Node, Random, STEPS, Weights};
 pub use plan::{Heights, MAX_NODES, MAX_REACH, MAX_STROKES, Plan};
 pub use preset::{PRESET_DRAWINGS, PresetDrawing};
 pub use profile::{Crest, Profile, ProfileError, Scaling, Stepping};
-pub use raster::Raster;
 pub use search::{Generator, Label, Search, Terrain, limits};

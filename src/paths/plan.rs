@@ -13,7 +13,10 @@ use super::{
     search::{Generator, Terrain},
     stroke::{Drawn, draw},
 };
-use crate::{geometry::Stop, noise};
+use crate::{
+    geometry::{Lattice, Raster, Stop},
+    noise,
+};
 use std::collections::BTreeSet;
 
 /// Most nodes of a drawing.
@@ -69,6 +72,16 @@ pub struct Heights {
     pub metres: Vec<f32>,
     /// How many nodes were settled for it.
     pub settled: Settled,
+}
+
+impl Heights {
+    /// The heights in their drawing's place.
+    #[must_use]
+    pub fn raster(&self, drawing: &Drawing) -> Raster {
+        let values = self.metres.chunks(self.columns.max(1)).rev().flatten().copied().collect();
+        let place = Lattice { origin: drawing.origin, first: [self.first.column, self.first.row], spacing: drawing.spacing };
+        Raster::new(place, self.columns, values)
+    }
 }
 
 impl Plan {

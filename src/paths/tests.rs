@@ -180,7 +180,7 @@ fn nodes_keep_their_heights_at_every_finer_zoom() {
     let drawing = lines("", "[[[40, 30], [90, 80]], [[100, 20], [100, 90]]]");
     let heights = Plan::unbounded(&drawing).expect("a plan").heights(&Stop::never(), &|_| {});
     let (first, columns, rows, metres) = (heights.first, heights.columns, heights.rows, heights.metres.clone());
-    let raster = Raster::new(&drawing, heights);
+    let raster = heights.raster(&drawing);
     let at = |x: f64, y: f64, spacing: f64| {
         let mut out = [0.0];
         raster.add(&Window::point(x, y, spacing, Filter::Band).expect("a point"), &Stop::never(), &mut out);

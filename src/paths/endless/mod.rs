@@ -18,10 +18,9 @@ use super::{
     document::DrawingError,
     lattice::{Frame, Node},
     profile::Scaling,
-    raster::{Level, coarseness},
 };
 use crate::{
-    geometry::{Filter, Stop, Window},
+    geometry::{Filter, RasterLevel, Stop, Window, coarseness},
     noise,
 };
 pub use document::{CellStrokes, Chains, EndlessDrawing, Rings};
@@ -264,7 +263,7 @@ impl Endless {
     }
 
     /// The nodes of a lattice that interpolation between `from` and `to` (metres) touches, out of chunks, halved so many times.
-    fn nodes(&self, level: usize, halvings: usize, from: [f64; 2], to: [f64; 2], stop: &Stop) -> Level {
+    fn nodes(&self, level: usize, halvings: usize, from: [f64; 2], to: [f64; 2], stop: &Stop) -> RasterLevel {
         let step = self.meshes[level].spacing;
         let margin = 3 << halvings;
         let node = |c: f64| (c / step).floor() as i64;
@@ -287,7 +286,7 @@ impl Endless {
                 }
             }
         }
-        let mut nodes = Level::new(frame.first, frame.columns, frame.rows, values);
+        let mut nodes = RasterLevel::new([frame.first.column, frame.first.row], frame.columns, frame.rows, values);
         for _ in 0..halvings {
             nodes = nodes.halved();
         }
@@ -329,7 +328,7 @@ impl Endless {
             let level = self.level(*step);
             let halvings = step - level;
             let spacing = self.meshes[level].spacing * coarseness(halvings);
-            let columns: Vec<(i64, f32)> = window.columns.coordinates().map(|x| Level::place(x, spacing)).collect();
+            let columns: Vec<(i64, f32)> = window.columns.coordinates().map(|x| RasterLevel::place(x, spacing)).collect();
             (spacing, columns, self.nodes(level, halvings, bounds.min, bounds.max, stop))
         };
         let levels: Vec<_> = used.iter().map(seen).collect();
@@ -339,7 +338,7 @@ impl Endless {
                 return;
             }
             for ((spacing, columns, nodes), row) in levels.iter().zip(&mut rows) {
-                nodes.row(Level::place(y, *spacing), columns, row);
+                nodes.row(RasterLevel::place(y, *spacing), columns, row);
             }
             for (i, out) in out.iter_mut().enumerate() {
                 let mut height = rows[0][i];

@@ -6,9 +6,9 @@ use super::{
     source::{Completed, Drawing as NoFeatures, made},
 };
 use crate::{
-    geometry::Stop,
+    geometry::{Raster, Stop},
     noise,
-    paths::{Drawing, DrawingError, Endless, EndlessDrawing, Plan, Raster},
+    paths::{Drawing, DrawingError, Endless, EndlessDrawing, Plan},
     world::{
         problem::{Checks, whole_numbers},
         revision::Revision,
@@ -77,7 +77,7 @@ fn finite(drawing: &Drawing, at: &str, setting: &Setting, checks: &mut Checks) -
             return None;
         }
         let heights = plan.heights(&Stop::never(), &|_| {});
-        Some(Ground::Paths(Arc::new(Drawn { heights: Heights::Finite(Raster::new(drawing, heights)), drawing: Revision::of(&source) })))
+        Some(Ground::Paths(Arc::new(Drawn { heights: Heights::Finite(heights.raster(drawing)), drawing: Revision::of(&source) })))
     })?;
     Some(Completed { source, ground, features: NoFeatures::default() })
 }

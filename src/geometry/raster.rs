@@ -1,38 +1,41 @@
 //! Heights of nodes as terrain: what lies between them, and how they look from afar.
 
-use super::{document::Drawing, lattice::Node, plan::Heights};
-use crate::geometry::{Filter, Legend, Rectangle, Source, Stop, Surface, Window};
+use super::{Filter, Legend, Rectangle, Source, Stop, Surface, Window};
+use serde::{Deserialize, Serialize};
 
 /// Nanoseconds to evaluate a sample between nodes, in one level and in two.
 const SAMPLE_NS: [f64; 2] = [60.0, 110.0];
 
 /// A lattice of heights. Beyond it there is nothing: 0.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Level {
-    first: Node,
+pub struct RasterLevel {
+    /// Column and row of the south-western node.
+    first: [i64; 2],
     columns: usize,
     rows: usize,
     /// Row by row from the south.
     values: Vec<f32>,
 }
 
-impl Level {
+impl RasterLevel {
     /// A lattice's values, row by row from the south.
-    pub(super) fn new(first: Node, columns: usize, rows: usize, values: Vec<f32>) -> Self {
+    #[must_use]
+    pub fn new(first: [i64; 2], columns: usize, rows: usize, values: Vec<f32>) -> Self {
         Self { first, columns, rows, values }
     }
 
     /// The node west or south of a coordinate, in metres from where nodes are counted, and how far beyond it that lies.
-    pub(super) fn place(coordinate: f64, spacing: f64) -> (i64, f32) {
+    #[must_use]
+    pub fn place(coordinate: f64, spacing: f64) -> (i64, f32) {
         let at = coordinate / spacing;
         let node = at.floor();
         (node as i64, (at - node) as f32)
     }
 
     /// The values between nodes along a row of places.
-    pub(super) fn row(&self, (row, t): (i64, f32), places: &[(i64, f32)], values: &mut Vec<f32>) {
+    pub fn row(&self, (row, t): (i64, f32), places: &[(i64, f32)], values: &mut Vec<f32>) {
         values.clear();
-        if row < self.first.row - 1 || row >= self.first.row + self.rows as i64 {
+        if row < self.first[1] - 1 || row >= self.first[1] + self.rows as i64 {
             values.resize(places.len(), 0.0);
             return;
         }
@@ -43,20 +46,21 @@ impl Level {
     }
 
     fn at(&self, column: i64, row: i64) -> f32 {
-        let (i, j) = (column - self.first.column, row - self.first.row);
+        let (i, j) = (column - self.first[0], row - self.first[1]);
         let inside = (0..self.columns as i64).contains(&i) && (0..self.rows as i64).contains(&j);
         if inside { self.values[j as usize * self.columns + i as usize] } else { 0.0 }
     }
 
     /// Every second node, each with its neighbours by 1 : 2 : 1 along both axes.
-    pub(super) fn halved(&self) -> Self {
-        let first = Node { row: self.first.row.div_euclid(2), column: self.first.column.div_euclid(2) };
+    #[must_use]
+    pub fn halved(&self) -> Self {
+        let first = self.first.map(|first| first.div_euclid(2));
         let count = |first: i64, count: usize, from: i64| ((first + count as i64).div_euclid(2) + 1 - from) as usize;
-        let (columns, rows) = (count(self.first.column, self.columns, first.column), count(self.first.row, self.rows, first.row));
+        let (columns, rows) = (count(self.first[0], self.columns, first[0]), count(self.first[1], self.rows, first[1]));
         let mut values = Vec::with_capacity(columns * rows);
         for j in 0..rows as i64 {
             for i in 0..columns as i64 {
-                let (column, row) = (2 * (first.column + i), 2 * (first.row + j));
+                let (column, row) = (2 * (first[0] + i), 2 * (first[1] + j));
                 let three = |row: i64| self.at(column - 1, row) + 2.0 * self.at(column, row) + self.at(column + 1, row);
                 values.push((three(row - 1) + 2.0 * three(row) + three(row + 1)) * (1.0 / 16.0));
             }
@@ -66,7 +70,8 @@ impl Level {
 }
 
 /// How much farther apart the nodes of a level are than those of the first.
-pub(super) fn coarseness(level: usize) -> f64 {
+#[must_use]
+pub fn coarseness(level: usize) -> f64 {
     (1_u64 << level) as f64
 }
 
@@ -84,48 +89,76 @@ fn cubic([a, b, c, d]: [f32; 4], t: f32) -> f32 {
     u * u * (b * (1.0 + 2.0 * t) + m * t) + t * t * (c * (1.0 + 2.0 * u) - n * u)
 }
 
-/// The heights of a finite drawing as terrain over the plane: metres above sea level, 0 beyond what strokes reach.
+/// Where the nodes of a lattice lie, in metres: node (i, j) at origin + (first + (i, j)) · spacing.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lattice {
+    /// Node (0, 0).
+    pub origin: [f64; 2],
+    /// Column and row of the south-western node.
+    pub first: [i64; 2],
+    /// Between nodes.
+    pub spacing: f64,
+}
+
+/// Heights of a lattice as terrain over the plane: metres, 0 beyond the lattice.
 ///
 /// Between nodes they are monotone cubics along x, then along y, so a lattice's own values are kept. Samples farther apart than nodes see lattices of doubled spacing, each the filtered
 /// form of the one before, fading from one to the next by spacing alone; `filter=exact` sees the nodes themselves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Raster {
-    origin: [f64; 2],
-    spacing: f64,
-    levels: Vec<Level>,
+    place: Lattice,
+    levels: Vec<RasterLevel>,
     range: [f32; 2],
 }
 
 impl Raster {
-    /// Puts a drawing's heights in their place.
+    /// Puts heights, row by row from the south, on the nodes (first + (i, j)) · spacing + origin.
     #[must_use]
-    pub fn new(drawing: &Drawing, heights: Heights) -> Self {
-        let Heights { first, columns, rows, metres, .. } = heights;
-        let values: Vec<f32> = metres.chunks(columns).rev().flatten().copied().collect();
+    pub fn new(place: Lattice, columns: usize, values: Vec<f32>) -> Self {
         let range = values.iter().fold([0.0, 0.0], |[low, high]: [f32; 2], value| [low.min(*value), high.max(*value)]);
-        let mut levels = vec![Level { first, columns, rows, values }];
+        let rows = values.len() / columns.max(1);
+        let mut levels = vec![RasterLevel { first: place.first, columns, rows, values }];
         while let Some(last) = levels.last().filter(|level| level.columns.max(level.rows) > 4) {
             levels.push(last.halved());
         }
-        Self { origin: drawing.origin, spacing: drawing.spacing, levels, range }
+        Self { place, levels, range }
+    }
+
+    /// Where its nodes lie.
+    #[must_use]
+    pub fn place(&self) -> Lattice {
+        self.place
+    }
+
+    /// Nodes from west to east and from south to north.
+    #[must_use]
+    pub fn size(&self) -> [usize; 2] {
+        self.levels.first().map_or([0, 0], |level| [level.columns, level.rows])
+    }
+
+    /// The heights, row by row from the south.
+    #[must_use]
+    pub fn values(&self) -> &[f32] {
+        self.levels.first().map_or(&[], |level| &level.values)
     }
 
     /// Beyond this there is nothing at any spacing.
     #[must_use]
     pub fn bounds(&self) -> Rectangle {
-        let of = |(number, level): (usize, &Level)| {
-            let step = self.spacing * coarseness(number);
-            let end = |axis: usize, node: i64| self.origin[axis] + node as f64 * step;
+        let of = |(number, level): (usize, &RasterLevel)| {
+            let step = self.place.spacing * coarseness(number);
+            let end = |axis: usize, node: i64| self.place.origin[axis] + node as f64 * step;
             let (columns, rows) = (level.columns as i64, level.rows as i64);
             Rectangle {
-                min: [end(0, level.first.column - 1), end(1, level.first.row - 1)],
-                max: [end(0, level.first.column + columns), end(1, level.first.row + rows)],
+                min: [end(0, level.first[0] - 1), end(1, level.first[1] - 1)],
+                max: [end(0, level.first[0] + columns), end(1, level.first[1] + rows)],
             }
         };
         self.levels.iter().enumerate().map(of).fold(Rectangle::EMPTY, Rectangle::union)
     }
 
-    /// Least and greatest height.
+    /// Least and greatest height, 0 among them.
     #[must_use]
     pub fn range(&self) -> [f32; 2] {
         self.range
@@ -133,7 +166,7 @@ impl Raster {
 
     /// Which two levels samples so far apart see, and how much of the second.
     fn levels_at(&self, spacing: f64, filter: Filter) -> (usize, usize, f32) {
-        let ratio = if filter == Filter::Exact { 1.0 } else { (spacing / self.spacing).max(1.0) };
+        let ratio = if filter == Filter::Exact { 1.0 } else { (spacing / self.place.spacing).max(1.0) };
         let last = self.levels.len() - 1;
         let Some(level) = (0..last).find(|level| ratio < coarseness(level + 1)) else { return (last, last, 0.0) };
         // From one lattice to the next as the ratio doubles.
@@ -144,7 +177,7 @@ impl Raster {
     /// Adds the heights over a window to `out`, row by row from the north. Stopped, it is not whole.
     pub fn add(&self, window: &Window, stop: &Stop, out: &mut [f32]) {
         let (near, far, share) = self.levels_at(window.spacing(), window.filter);
-        let place = |axis: usize, c: f64, level: usize| Level::place(c - self.origin[axis], self.spacing * coarseness(level));
+        let place = |axis: usize, c: f64, level: usize| RasterLevel::place(c - self.place.origin[axis], self.place.spacing * coarseness(level));
         let columns = |level: usize| -> Vec<(i64, f32)> { window.columns.coordinates().map(|x| place(0, x, level)).collect() };
         let places = [columns(near), columns(far)];
         let mut row_values = [Vec::new(), Vec::new()];
