@@ -6,7 +6,7 @@ use std::{fs, path::Path, sync::Arc};
 use terrane::{
     layout::geojson::FeatureSet,
     store::{Kind, Store},
-    world::{Document, FeatureSets, World},
+    world::{Document, PartNames, Parts, World},
 };
 
 /// A document of JSON that has a name for people.
@@ -31,11 +31,17 @@ pub(crate) fn world(name: &str, data: Option<&Path>) -> anyhow::Result<World> {
     let Some(stored) = worlds.iter().find(|world| world.name == name) else {
         bail!("{name} is neither a file nor one of the worlds in {}: {}", folder.display(), names.join(", "));
     };
-    let mut sets = FeatureSets::default();
-    for set in FeatureSets::named_in(stored.body.as_bytes()) {
-        if let Some(stored) = runtime.block_on(store.feature_set(&set))? {
-            sets.insert(set, Arc::new(FeatureSet::read(&stored)?));
+    let (mut parts, names) = (Parts::default(), PartNames::in_world(stored.body.as_bytes()));
+    for name in names.sets {
+        if let Some(stored) = runtime.block_on(store.feature_set(&name))? {
+            parts.insert_set(name, Arc::new(FeatureSet::read(&stored)?));
         }
     }
-    Ok(World::new(Document::parse_stored(stored.body.as_bytes(), &sets).with_context(|| format!("the stored world {name}"))?))
+    for name in names.rasters {
+        if let Some(stored) = runtime.block_on(store.raster(&name))? {
+            let raster = stored.read().with_context(|| format!("the stored raster {name}"))?;
+            parts.insert_raster(name, Arc::new(raster));
+        }
+    }
+    Ok(World::new(Document::parse_stored(stored.body.as_bytes(), &parts).with_context(|| format!("the stored world {name}"))?))
 }

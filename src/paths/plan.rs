@@ -17,7 +17,7 @@ use crate::{
     geometry::{Lattice, Raster, Stop},
     noise,
 };
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Most nodes of a drawing.
 pub const MAX_NODES: usize = 1 << 24;
@@ -48,8 +48,8 @@ pub struct Plan {
     floors: Vec<Floor>,
     sea_level_cost: f32,
     vertical_scale: f32,
-    /// Profiles that some path steps by.
-    used: Vec<u16>,
+    /// Profiles that rule in regions, whatever stroke a path comes from.
+    ruling: Vec<u16>,
     thresholds: [f32; 2],
 }
 
@@ -128,15 +128,24 @@ impl Plan {
     /// The most steps that a path takes from a crest before it ends.
     #[must_use]
     pub fn reach(&self) -> usize {
-        let least = self.strokes.iter().flat_map(|stroke| &stroke.generators).map(|generator| generator.crest).min_by(|a, b| a.cost.total_cmp(&b.cost));
-        let Some(crest) = least else { return 0 };
+        // Of each profile the highest crest.
+        let mut highest: BTreeMap<u32, Crest> = BTreeMap::new();
+        for generator in self.strokes.iter().flat_map(|stroke| &stroke.generators) {
+            let crest = highest.entry(generator.profile).or_insert(generator.crest);
+            if generator.crest.cost < crest.cost {
+                *crest = generator.crest;
+            }
+        }
         let (end, weights) = (self.sea_level_cost - self.thresholds[0], [self.weights.least(); 8]);
-        let after = |cost: f32| {
-            let costs = self.used.iter().map(|number| self.scalings[usize::from(*number)].after(cost, &crest, &weights)[0]);
-            costs.fold(f32::INFINITY, f32::min)
+        let steps = |(profile, crest): (&u32, &Crest)| {
+            let after = |cost: f32| {
+                let profiles = self.ruling.iter().map(|ruling| u32::from(*ruling)).chain([*profile]);
+                profiles.map(|number| self.scalings[number as usize].after(cost, crest, &weights)[0]).fold(f32::INFINITY, f32::min)
+            };
+            let costs = core::iter::successors(Some(crest.cost), |cost| Some(after(*cost)));
+            costs.skip(1).take_while(|cost| *cost < end).take(MAX_REACH + 1).count()
         };
-        let costs = core::iter::successors(Some(crest.cost), |cost| Some(after(*cost)));
-        costs.skip(1).take_while(|cost| *cost < end).take(MAX_REACH + 1).count()
+        highest.iter().map(steps).max().unwrap_or(0)
     }
 
     /// Nodes that searches settle at most.
@@ -146,8 +155,11 @@ impl Plan {
         let of = |stroke: &Stroke| {
             let nodes = stroke.generators.iter().map(|generator| frame.node(generator.slot as usize));
             let extent = |of: &dyn Fn(Node) -> i64| {
+                if stroke.generators.is_empty() {
+                    return 0;
+                }
                 let range = nodes.clone().map(of).fold([i64::MAX, i64::MIN], |[low, high], i| [low.min(i), high.max(i)]);
-                (range[1] - range[0] + 1).max(0) as u64 + 2 * reach
+                (range[1] - range[0] + 1) as u64 + 2 * reach
             };
             (extent(&|node| node.column) * extent(&|node| node.row)).min((frame.columns * frame.rows) as u64)
         };
@@ -172,7 +184,11 @@ impl Plan {
         }
         let sea_level_cost = sea_level_cost(drawing, &drawn)?;
         let least = drawn.iter().flat_map(|drawn| drawn.nodes.values()).copied().fold(0.0, f32::min);
-        let strokes = drawn.iter().map(|drawn| drawn.stroke(sea_level_cost as f32, least)).collect();
+        let strokes: Vec<Stroke> = drawn.iter().map(|drawn| drawn.stroke(sea_level_cost as f32, least)).collect();
+        if strokes.iter().all(|stroke| stroke.generators.is_empty()) {
+            let detail = format!("no node costs less than sea level, {sea_level_cost}: there is nothing to be above it");
+            return Err(DrawingError::new("/sea_level", detail));
+        }
         let shut = if regions.shut.contains(&true) {
             regions.slots.iter().map(|&region| if region > 0 && regions.shut[usize::from(region) - 1] { region } else { 0 }).collect()
         } else {
@@ -182,9 +198,9 @@ impl Plan {
             Quantity::Number(bias) => Biases::Constant(*bias as f32),
             Quantity::Programme(ramp) => Biases::Slots(canvas.ramp(ramp, "/bias")?.into_iter().map(|bias| bias.clamp(0.0, MAX_BIAS as f32)).collect()),
         };
-        let mut used: Vec<u16> = drawn.iter().map(|drawn| drawn.profile).chain(regions.profiles.iter().copied().flatten()).collect();
-        used.sort_unstable();
-        used.dedup();
+        let mut ruling: Vec<u16> = regions.profiles.iter().copied().flatten().collect();
+        ruling.sort_unstable();
+        ruling.dedup();
         let mut plan = Self {
             canvas,
             weights,
@@ -196,7 +212,7 @@ impl Plan {
             floors: Vec::new(),
             sea_level_cost: sea_level_cost as f32 - least,
             vertical_scale: drawing.vertical_scale as f32,
-            used,
+            ruling,
             thresholds: [drawing.sea_threshold as f32, drawing.approximate_threshold as f32],
         };
         let shut = plan.shut_regions().len();

@@ -26,7 +26,7 @@ use std::{
 const MAX_AGE: Duration = Duration::from_secs(1);
 
 /// What keys guard; the rest is the viewer, the description of the interface, and the server's health.
-const GUARDED: [&str; 5] = ["/worlds", "/catalog", "/wmts", "/programmes", "/metrics"];
+const GUARDED: [&str; 7] = ["/worlds", "/catalog", "/wmts", "/programmes", "/jobs", "/rasters", "/metrics"];
 
 /// The keys of a server, which `terrane key` changes beside it.
 pub(super) struct Keys {

@@ -88,6 +88,8 @@ pub struct LimitsConfig {
     pub export_seconds: u64,
     /// Exports under way at a time, 1 … 1000; others are refused with 503.
     pub exports: usize,
+    /// Jobs that wait at a time, 1 … 1000; others are refused with 503.
+    pub jobs: usize,
     /// Seconds in which the whole head of a request must be there, also that of the next one on a connection, 1 … 3600.
     pub head_seconds: u64,
     /// Seconds in which a peer that is waited for must send or take 512 bytes a second, 1 … 3600.
@@ -128,6 +130,7 @@ impl Default for LimitsConfig {
             export_samples: 268_435_456,
             export_seconds: 600,
             exports: 4,
+            jobs: 64,
             head_seconds: 20,
             stall_seconds: 20,
         }
@@ -193,6 +196,7 @@ impl Config {
         range("limits.export_samples", self.limits.export_samples, 1, 536_870_912);
         range("limits.export_seconds", self.limits.export_seconds, 1, 86_400);
         range("limits.exports", self.limits.exports as u64, 1, 1_000);
+        range("limits.jobs", self.limits.jobs as u64, 1, 1_000);
         range("limits.client_requests", self.limits.client_requests, 0, 1_000_000);
         range("limits.client_seconds", self.limits.client_seconds, 0, 100_000);
         range("server.proxies", self.server.proxies as u64, 0, 16);

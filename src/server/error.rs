@@ -29,6 +29,8 @@ pub(super) enum ApiError {
     PreconditionFailed(String),
     /// The body is larger than allowed.
     TooLarge(usize),
+    /// What a job is asked for was understood and is wrong.
+    InvalidWork(Vec<Entry>),
     /// The document was understood and is wrong.
     Invalid(Kind, Vec<Entry>),
     /// Features were understood and are wrong.
@@ -47,6 +49,8 @@ pub(super) enum ApiError {
     Spent(Spent),
     /// More work waits than the server takes.
     Overloaded,
+    /// More jobs wait than the server takes.
+    Queued,
     /// More exports are under way than the server takes.
     Exporting,
     /// More requests are under way than the server takes.
@@ -77,9 +81,18 @@ impl ApiError {
 
     /// Why a body is not a document of a kind.
     pub(super) fn document(kind: Kind, error: DocumentError) -> Self {
+        Self::wrong(error, |errors| ApiError::Invalid(kind, errors))
+    }
+
+    /// Why a job cannot be asked for.
+    pub(super) fn work(error: DocumentError) -> Self {
+        Self::wrong(error, ApiError::InvalidWork)
+    }
+
+    fn wrong(error: DocumentError, invalid: impl FnOnce(Vec<Entry>) -> Self) -> Self {
         match error {
             DocumentError::Syntax(detail) => ApiError::BadRequest(format!("The body is not JSON: {detail}."), Vec::new()),
-            DocumentError::Invalid(problems) => ApiError::Invalid(kind, problems.into_iter().map(Entry::from).collect()),
+            DocumentError::Invalid(problems) => invalid(problems.into_iter().map(Entry::from).collect()),
         }
     }
 
@@ -101,6 +114,10 @@ impl ApiError {
                     Kind::Programme => "invalid-programme",
                 };
                 (StatusCode::UNPROCESSABLE_ENTITY, invalid, detail, errors)
+            }
+            ApiError::InvalidWork(errors) => {
+                let detail = format!("What is asked for has {} problem{}; nothing was stored.", errors.len(), if errors.len() == 1 { "" } else { "s" });
+                (StatusCode::UNPROCESSABLE_ENTITY, "invalid-job", detail, errors)
             }
             ApiError::InvalidFeatures(errors) => {
                 let detail = format!("The features have {} problem{}; nothing was stored.", errors.len(), if errors.len() == 1 { "" } else { "s" });
@@ -125,6 +142,7 @@ impl ApiError {
                 (StatusCode::TOO_MANY_REQUESTS, "too-many-requests", detail, Vec::new())
             }
             ApiError::Overloaded => (StatusCode::SERVICE_UNAVAILABLE, "overloaded", "Too many tiles are waiting; try again shortly.".to_owned(), Vec::new()),
+            ApiError::Queued => (StatusCode::SERVICE_UNAVAILABLE, "busy", "Too many jobs are waiting; try again later.".to_owned(), Vec::new()),
             ApiError::Exporting => (StatusCode::SERVICE_UNAVAILABLE, "busy", "Too many exports are under way; try again later.".to_owned(), Vec::new()),
             ApiError::Busy => (StatusCode::SERVICE_UNAVAILABLE, "busy", "Too many requests are under way; try again shortly.".to_owned(), Vec::new()),
             ApiError::SetAside => {
@@ -198,7 +216,7 @@ impl From<LoadError> for ApiError {
     fn from(error: LoadError) -> Self {
         match error {
             LoadError::Store(error) => error.into(),
-            LoadError::Document { .. } | LoadError::Set { .. } => ApiError::internal("a stored document cannot be read", &error),
+            LoadError::Document { .. } | LoadError::Set { .. } | LoadError::Raster { .. } => ApiError::internal("a stored document cannot be read", &error),
             LoadError::Panicked(Panicked) => ApiError::Internal,
         }
     }

@@ -75,6 +75,22 @@ impl<T: Shelved> FromRequestParts<App> for NameOf<T> {
     }
 }
 
+/// The only parameter of a path: the hash of a job or a raster, which may not be there.
+pub(super) struct Hash(pub String);
+
+impl FromRequestParts<App> for Hash {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
+        let parameters = Parameters::of(parts).await?;
+        let (name, hash) = parameters.0.iter().next().unwrap_or_default();
+        match Revision::parse(hash) {
+            Some(hash) => Ok(Self(hash.to_string())),
+            None => Err(ApiError::absent(name, format!("a {name} is named by 32 hex digits, got {hash:?}"))),
+        }
+    }
+}
+
 /// What to say of a name that nothing has.
 fn unknown<T: Shelved>(shelf: &Shelf<T>, name: &str) -> ApiError {
     let noun = T::KIND.noun();

@@ -2,7 +2,7 @@
 
 use super::{
     compute::Compute,
-    sets::StoredSets,
+    parts::StoredParts,
     shelf::{LoadError, Shelf, Shelved, shipped},
     state::App,
 };
@@ -10,7 +10,7 @@ use crate::{
     geometry::{Stop, Until},
     store::{Content, Kind, Store},
     tile::{self, PREVIEW_FORM, TileError},
-    world::{DocumentError, FeatureSets, Fingerprint, PRESETS, Preset, Revision, Survey, World},
+    world::{DocumentError, Fingerprint, PRESETS, PartNames, Parts, Preset, Revision, Survey, World},
 };
 use std::sync::Arc;
 
@@ -28,16 +28,16 @@ impl Shelved for Shown {
     const PATH: &'static str = "programmes";
     type Document = Preset;
 
-    fn parse(json: &[u8], _: &FeatureSets) -> Result<Preset, DocumentError> {
+    fn parse(json: &[u8], _: &Parts) -> Result<Preset, DocumentError> {
         Preset::parse(json)
     }
 
-    fn parse_stored(json: &[u8], _: &FeatureSets) -> Result<Preset, DocumentError> {
+    fn parse_stored(json: &[u8], _: &Parts) -> Result<Preset, DocumentError> {
         Preset::parse_stored(json)
     }
 
-    fn sets_in(_: &[u8]) -> Vec<String> {
-        Vec::new()
+    fn named_in(_: &[u8]) -> PartNames {
+        PartNames::default()
     }
 
     fn content(preset: &Preset) -> Content {
@@ -88,9 +88,9 @@ impl Shown {
 }
 
 /// Loads the library; what ships with this version and was never there comes first.
-pub(super) async fn load(store: Store, compute: Arc<Compute>, sets: Arc<StoredSets>) -> Result<Shelf<Shown>, LoadError> {
+pub(super) async fn load(store: Store, compute: Arc<Compute>, parts: Arc<StoredParts>) -> Result<Shelf<Shown>, LoadError> {
     for preset in PRESETS {
         store.ship(preset.name, shipped::<Shown>(&compute, preset.name, preset.json).await?.0).await?;
     }
-    Shelf::load(store, compute, sets).await
+    Shelf::load(store, compute, parts).await
 }

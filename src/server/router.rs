@@ -4,7 +4,7 @@ use super::{
     access::{guard, needed},
     config::Reads,
     error::ApiError,
-    handler::{catalog, description, elevation, export, feature, feature_edit, health, layer, programme, shader, tile, viewer, world},
+    handler::{catalog, description, elevation, export, feature, feature_edit, health, job, layer, programme, raster, shader, tile, viewer, world},
     observe::observe,
     state::App,
 };
@@ -34,6 +34,7 @@ use utoipa_axum::{router::OpenApiRouter, routes};
         (name = "programmes", description = "The library of terrain programmes"),
         (name = "tiles", description = "Terrain as tiles"),
         (name = "exports", description = "Areas as files"),
+        (name = "jobs", description = "Long work, and the rasters that it makes"),
         (name = "queries", description = "Questions about the ground"),
         (name = "pages", description = "For people"),
         (name = "health", description = "For those who run the server"),
@@ -66,6 +67,14 @@ fn others() -> OpenApiRouter<App> {
         .routes(routes!(programme::get_text))
         .routes(routes!(programme::get_tree))
         .routes(routes!(programme::get_preview))
+        .routes(routes!(job::list_jobs, job::post_job))
+        .routes(routes!(job::post_preview))
+        .routes(routes!(job::get_job, job::delete_job))
+        .routes(routes!(job::get_preview))
+        .routes(routes!(raster::list_rasters))
+        .routes(routes!(raster::get_raster))
+        .routes(routes!(raster::get_heights))
+        .routes(routes!(raster::get_preview))
         .routes(routes!(tile::get_style))
         .routes(routes!(elevation::get_profile))
         .routes(routes!(export::get_export))

@@ -2,13 +2,13 @@
 
 use super::{
     compute::{Compute, Panicked},
-    sets::StoredSets,
+    parts::StoredParts,
     state::App,
 };
 use crate::{
     layout::geojson::{FeatureSet, ReadError, StoredSet},
     store::{Condition, Content, Kind, RevisionEntry, Saved, Store, StoreError},
-    world::{DocumentError, FeatureSets, Revision},
+    world::{DocumentError, PartNames, Parts, RasterError, Revision},
 };
 use arc_swap::ArcSwap;
 use axum::body::Bytes;
@@ -25,12 +25,12 @@ pub(super) trait Shelved: Sized + Send + Sync + 'static {
     const PATH: &'static str;
     type Document: Clone + Send + Sync + 'static;
 
-    /// Reads a new document; sets of features that it names are given.
-    fn parse(json: &[u8], sets: &FeatureSets) -> Result<Self::Document, DocumentError>;
+    /// Reads a new document; the parts that it names are given.
+    fn parse(json: &[u8], parts: &Parts) -> Result<Self::Document, DocumentError>;
     /// Reads a document that was accepted before.
-    fn parse_stored(json: &[u8], sets: &FeatureSets) -> Result<Self::Document, DocumentError>;
-    /// The names of the sets of features that a document names.
-    fn sets_in(json: &[u8]) -> Vec<String>;
+    fn parse_stored(json: &[u8], parts: &Parts) -> Result<Self::Document, DocumentError>;
+    /// The names of the parts that a document names.
+    fn named_in(json: &[u8]) -> PartNames;
     fn content(document: &Self::Document) -> Content;
     fn title_of(document: &Self::Document) -> Option<&str>;
 
@@ -73,6 +73,14 @@ pub(crate) enum LoadError {
         /// What is wrong with it.
         error: ReadError,
     },
+    /// A stored raster cannot be read.
+    #[error("the stored raster {name:?}: {error}")]
+    Raster {
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        error: RasterError,
+    },
     /// It could not be evaluated.
     #[error(transparent)]
     Panicked(#[from] Panicked),
@@ -84,7 +92,7 @@ type Index<T> = BTreeMap<String, Arc<T>>;
 pub(super) struct Shelf<T> {
     store: Store,
     compute: Arc<Compute>,
-    sets: Arc<StoredSets>,
+    parts: Arc<StoredParts>,
     index: ArcSwap<Index<T>>,
     /// Held from a write to the store until the index shows it, so that both change in the same order.
     writing: tokio::sync::Mutex<()>,
@@ -92,18 +100,18 @@ pub(super) struct Shelf<T> {
 
 impl<T: Shelved> Shelf<T> {
     /// Loads every document of the kind.
-    pub(super) async fn load(store: Store, compute: Arc<Compute>, sets: Arc<StoredSets>) -> Result<Self, LoadError> {
+    pub(super) async fn load(store: Store, compute: Arc<Compute>, parts: Arc<StoredParts>) -> Result<Self, LoadError> {
         let mut index = Index::new();
         for stored in store.documents(T::KIND).await? {
             // One document that cannot be read must not take the others with it.
-            match revive(&compute, &sets, &stored.name, stored.body).await {
+            match revive(&compute, &parts, &stored.name, stored.body).await {
                 Ok(live) => {
                     index.insert(stored.name, live);
                 }
                 Err(error) => tracing::error!(%error, "a stored {} is left out", T::KIND),
             }
         }
-        Ok(Self { store, compute, sets, index: ArcSwap::from_pointee(index), writing: tokio::sync::Mutex::default() })
+        Ok(Self { store, compute, parts, index: ArcSwap::from_pointee(index), writing: tokio::sync::Mutex::default() })
     }
 
     /// Every document, by name.
@@ -124,7 +132,7 @@ impl<T: Shelved> Shelf<T> {
     /// What a name stood for at a revision, from disk.
     pub(super) async fn read(&self, name: &str, revision: &Revision) -> Result<Option<Arc<T>>, LoadError> {
         match self.store.document(T::KIND, name, revision).await? {
-            Some(body) => Ok(Some(revive(&self.compute, &self.sets, name, body).await?)),
+            Some(body) => Ok(Some(revive(&self.compute, &self.parts, name, body).await?)),
             None => Ok(None),
         }
     }
@@ -134,10 +142,10 @@ impl<T: Shelved> Shelf<T> {
         self.store.revisions(T::KIND, name).await
     }
 
-    /// Reads a new document, with the stored sets of features that it names and perhaps one that is not stored yet.
+    /// Reads a new document, with the stored parts that it names and perhaps a set of features that is not stored yet.
     pub(super) async fn parse(&self, json: Bytes, new: Option<(String, Arc<FeatureSet>)>) -> Result<Result<T::Document, DocumentError>, LoadError> {
-        let sets = self.sets.find(&self.compute, T::sets_in(&json), new).await?;
-        Ok(self.compute.run(move || T::parse(&json, &sets)).await?)
+        let parts = self.parts.find(&self.compute, T::named_in(&json), new).await?;
+        Ok(self.compute.run(move || T::parse(&json, &parts)).await?)
     }
 
     /// Saves a document, first on disk, then in memory.
@@ -183,16 +191,16 @@ impl<T: Shelved> Shelf<T> {
 
 /// Reads what ships with the program, on the compute pool. As long as the document is kept, what it took long to make is not made again.
 pub(super) async fn shipped<T: Shelved>(compute: &Compute, name: &'static str, json: &'static str) -> Result<(Content, T::Document), LoadError> {
-    compute.run(move || parse::<T>(name, json, &FeatureSets::default()).map(|document| (T::content(&document), document))).await?
+    compute.run(move || parse::<T>(name, json, &Parts::default()).map(|document| (T::content(&document), document))).await?
 }
 
-fn parse<T: Shelved>(name: &str, body: &str, sets: &FeatureSets) -> Result<T::Document, LoadError> {
-    T::parse_stored(body.as_bytes(), sets).map_err(|error| LoadError::Document { kind: T::KIND, name: name.to_owned(), error })
+fn parse<T: Shelved>(name: &str, body: &str, parts: &Parts) -> Result<T::Document, LoadError> {
+    T::parse_stored(body.as_bytes(), parts).map_err(|error| LoadError::Document { kind: T::KIND, name: name.to_owned(), error })
 }
 
 /// Reads, generates, compiles, and surveys where that is needed, on the compute pool.
-async fn revive<T: Shelved>(compute: &Compute, sets: &StoredSets, name: &str, body: String) -> Result<Arc<T>, LoadError> {
-    let found = sets.find(compute, T::sets_in(body.as_bytes()), None).await?;
+async fn revive<T: Shelved>(compute: &Compute, parts: &StoredParts, name: &str, body: String) -> Result<Arc<T>, LoadError> {
+    let found = parts.find(compute, T::named_in(body.as_bytes()), None).await?;
     let name = name.to_owned();
     compute.run(move || Ok(Arc::new(T::new(&name, parse::<T>(&name, &body, &found)?)))).await?
 }

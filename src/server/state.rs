@@ -8,9 +8,10 @@ use super::{
     editing::Editing,
     exports::Exports,
     library::{self, Shown},
+    jobs::Jobs,
     metrics::Metrics,
+    parts::StoredParts,
     recall::Recall,
-    sets::StoredSets,
     shelf::{LoadError, Shelf},
     tiles::{DiskError, Tiles},
     worlds::Worlds,
@@ -35,6 +36,8 @@ pub(super) struct AppState {
     pub recall: Recall,
     pub metrics: Arc<Metrics>,
     pub exports: Exports,
+    pub jobs: Jobs,
+    pub parts: Arc<StoredParts>,
     /// Threads for single points and first looks at worlds, so that these do not wait behind tiles.
     pub queries: Arc<Compute>,
     /// Without a slash at its end; empty: from each request's Host header.
@@ -48,7 +51,7 @@ pub(super) struct AppState {
     pub reads: Reads,
     /// Whether no other machine is meant to reach the server: then its own may write without a key.
     pub is_local: bool,
-    store: Store,
+    pub store: Store,
     draining: AtomicBool,
 }
 
@@ -87,9 +90,11 @@ impl App {
         let exports = Exports::new(Compute::new("export", config.server.threads)?, &config.limits);
         let store = Store::open(&config.server.data).await.map_err(|error| load(error.into()))?;
         let old_revisions = NonZeroUsize::new(config.cache.old_revisions).unwrap_or(NonZeroUsize::MIN);
-        let sets = Arc::new(StoredSets::new(store.clone()));
-        let worlds = Worlds::load(store.clone(), Arc::clone(&queries), Arc::clone(&sets), old_revisions).await.map_err(load)?;
-        let library = library::load(store.clone(), Arc::clone(&queries), sets).await.map_err(load)?;
+        let parts = Arc::new(StoredParts::new(store.clone()));
+        let worlds = Worlds::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts), old_revisions).await.map_err(load)?;
+        let library = library::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts)).await.map_err(load)?;
+        let jobs = Compute::new("job", config.server.threads)?;
+        let jobs = Jobs::load(store.clone(), jobs, config.limits.jobs).await.map_err(|error| load(error.into()))?;
         let mut tiles = Tiles::new(compute, Arc::clone(&metrics), config.cache.tile_bytes, config.limits.queue_ms);
         if config.cache.disk_bytes > 0 {
             tiles.keep_on_disk(&config.server.data.join("tile-cache"), config.cache.disk_bytes).await?;
@@ -101,6 +106,8 @@ impl App {
             recall: Recall::new(config.cache.tile_bytes),
             metrics,
             exports,
+            jobs,
+            parts,
             queries,
             public_url: config.server.public_url.trim_end_matches('/').to_owned(),
             world_bytes: config.limits.world_bytes,
@@ -137,8 +144,9 @@ impl App {
         self.0.draining.load(Ordering::Relaxed)
     }
 
-    /// Closes the store and the disk cache.
+    /// Ends jobs under way, which the next start takes up again, and closes the store and the disk cache.
     pub async fn close(&self) {
+        self.0.jobs.close().await;
         self.0.tiles.close().await;
         self.0.store.close().await;
     }

@@ -8,6 +8,11 @@ use utoipa::{IntoParams, ToSchema};
 #[schema(pattern = "^[a-z0-9][a-z0-9-]{0,62}$")]
 pub(super) struct Name(String);
 
+/// The name of a content.
+#[derive(ToSchema)]
+#[schema(pattern = "^[0-9a-f]{32}$")]
+pub(super) struct HashName(String);
+
 /// The condition of a deletion or an addition.
 #[derive(IntoParams)]
 #[into_params(parameter_in = Header)]

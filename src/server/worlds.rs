@@ -2,13 +2,13 @@
 
 use super::{
     compute::Compute,
-    sets::StoredSets,
+    parts::StoredParts,
     shelf::{LoadError, Shelf, Shelved, shipped},
     state::App,
 };
 use crate::{
     store::{Condition, Content, Kind, Store},
-    world::{Document, DocumentError, EXAMPLES, FeatureSets, Revision, Survey, World},
+    world::{Document, DocumentError, EXAMPLES, PartNames, Parts, Revision, Survey, World},
 };
 use lru::LruCache;
 use std::{
@@ -29,16 +29,16 @@ impl Shelved for Live {
     const PATH: &'static str = "worlds";
     type Document = Document;
 
-    fn parse(json: &[u8], sets: &FeatureSets) -> Result<Document, DocumentError> {
-        Document::parse_with(json, sets)
+    fn parse(json: &[u8], parts: &Parts) -> Result<Document, DocumentError> {
+        Document::parse_with(json, parts)
     }
 
-    fn parse_stored(json: &[u8], sets: &FeatureSets) -> Result<Document, DocumentError> {
-        Document::parse_stored(json, sets)
+    fn parse_stored(json: &[u8], parts: &Parts) -> Result<Document, DocumentError> {
+        Document::parse_stored(json, parts)
     }
 
-    fn sets_in(json: &[u8]) -> Vec<String> {
-        FeatureSets::named_in(json)
+    fn named_in(json: &[u8]) -> PartNames {
+        PartNames::in_world(json)
     }
 
     fn content(document: &Document) -> Content {
@@ -82,7 +82,7 @@ pub(super) struct Worlds {
 
 impl Worlds {
     /// Loads every world; a store that never held any gets the examples first.
-    pub(super) async fn load(store: Store, compute: Arc<Compute>, sets: Arc<StoredSets>, old_revisions: NonZeroUsize) -> Result<Self, LoadError> {
+    pub(super) async fn load(store: Store, compute: Arc<Compute>, parts: Arc<StoredParts>, old_revisions: NonZeroUsize) -> Result<Self, LoadError> {
         let mut documents = Vec::new();
         if store.is_empty(Kind::World).await? {
             for example in EXAMPLES {
@@ -91,7 +91,7 @@ impl Worlds {
                 documents.push(document);
             }
         }
-        Ok(Self { shelf: Shelf::load(store, compute, sets).await?, old: Mutex::new(LruCache::new(old_revisions)) })
+        Ok(Self { shelf: Shelf::load(store, compute, parts).await?, old: Mutex::new(LruCache::new(old_revisions)) })
     }
 
     /// A world as it was at a revision; `None` if it is gone or never was there.

@@ -8,7 +8,7 @@ pub(super) const LAYOUT: i64 = STEPS.len() as i64;
 
 /// From each layout to the next. Append-only, as the tables are: a document is stored once under its content's name, and every save or deletion of a name is a
 /// row; a deletion has no revision.
-const STEPS: [&str; 4] = [
+const STEPS: [&str; 5] = [
     "
     CREATE TABLE document (revision TEXT PRIMARY KEY, body TEXT NOT NULL) STRICT;
     CREATE TABLE history (
@@ -63,6 +63,25 @@ const STEPS: [&str; 4] = [
     ) STRICT, WITHOUT ROWID;
     PRAGMA user_version = 4;
     ",
+    // Rasters under the name of their content, and the jobs that make them under the name of what is asked for.
+    "
+    CREATE TABLE raster (
+        name TEXT PRIMARY KEY,
+        time TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),
+        head TEXT NOT NULL,
+        samples BLOB NOT NULL
+    ) STRICT;
+    CREATE TABLE job (
+        number INTEGER PRIMARY KEY,
+        id TEXT NOT NULL UNIQUE,
+        time TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),
+        work TEXT NOT NULL,
+        state TEXT NOT NULL,
+        raster TEXT REFERENCES raster (name),
+        failure TEXT
+    ) STRICT;
+    PRAGMA user_version = 5;
+    ",
 ];
 
 /// What lets a connection that may not write read layout 1 as this one.
@@ -74,6 +93,9 @@ const READ_LAYOUT_2: &str = "
     CREATE TEMP TABLE feature_set_part (feature_set TEXT, number INTEGER, part TEXT);
     CREATE TEMP TABLE feature_part (name TEXT, body TEXT);
 ";
+
+/// What lets it read layouts before the fifth: there are no rasters.
+const READ_LAYOUT_4: &str = "CREATE TEMP TABLE raster (name TEXT, time TEXT, head TEXT, samples BLOB)";
 
 async fn found(connection: impl Executor<'_, Database = Sqlite>) -> Result<i64, StoreError> {
     let found = sqlx::query_scalar("PRAGMA user_version").fetch_one(connection).await?;
@@ -102,7 +124,10 @@ pub(super) async fn read_as_laid_out(connection: &mut SqliteConnection) -> Resul
         sqlx::raw_sql(READ_LAYOUT_1).execute(&mut *connection).await?;
     }
     if found < 3 {
-        sqlx::raw_sql(READ_LAYOUT_2).execute(connection).await?;
+        sqlx::raw_sql(READ_LAYOUT_2).execute(&mut *connection).await?;
+    }
+    if found < 5 {
+        sqlx::raw_sql(READ_LAYOUT_4).execute(connection).await?;
     }
     Ok(())
 }

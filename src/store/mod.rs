@@ -6,10 +6,12 @@ mod feature_set;
 mod keys;
 mod layout;
 mod mbtiles;
+mod runs;
 mod sqlite;
 
 pub use content::{Content, Kind};
 pub use error::StoreError;
 pub use keys::{KeyEntry, Scope, hash_of, is_signature, sign};
 pub use mbtiles::MbTiles;
+pub use runs::{JobEntry, JobState, RasterEntry};
 pub use sqlite::{Condition, RevisionEntry, Saved, Store, StoredDocument};

@@ -24,7 +24,7 @@ pub use lines::render_features;
 pub use materials::material_colour;
 pub use mesh::{MAX_MESH_ZOOM, MESH_SIDES, mesh_step, mesh_tolerance};
 pub use options::{ByteOrder, Image, MeshExtensions, Options, Rounding, RowOrder};
-pub use preview::{PREVIEW_FORM, preview};
+pub use preview::{PREVIEW_FORM, overlay, preview};
 pub use relief::Ramp;
 pub use steps::Steps;
 pub use tileset::{EncodeError, Tileset, VectorLayer};

@@ -17,6 +17,9 @@ pub const PREVIEW_FORM: &str = "preview.png 1";
 /// Heights are stretched until slopes have this root mean square: what makes a picture of plains and of high mountains alike readable.
 const SLOPE: f64 = 0.55;
 
+/// Metres below nothing that count as sea where heights lie over a map: none of it is.
+const SHORE: f64 = 1.0;
+
 /// Least and greatest factor that heights are stretched by.
 const STRETCH: [f64; 2] = [0.2, 40.0];
 
@@ -33,6 +36,24 @@ const STRETCH: [f64; 2] = [0.2, 40.0];
 /// # Errors
 /// If the image encoder fails, as it does for a window without samples, or the source was stopped.
 pub fn preview(source: &impl Source, window: &Window, sea_level: f64) -> Result<Vec<u8>, TileError> {
+    let (_, raster) = relief(source, window, sea_level)?;
+    raster.encode(Image::Png).map_err(TileError::from)
+}
+
+/// The same for heights that are to lie over a map: transparent where there are none, which is where they are 0.
+///
+/// # Errors
+/// As [`preview`].
+pub fn overlay(source: &impl Source, window: &Window) -> Result<Vec<u8>, TileError> {
+    let (surface, raster) = relief(source, window, -SHORE)?;
+    let columns = window.columns.len();
+    let inner = surface.elevation.chunks(surface.columns).skip(1).take(window.rows.len()).flat_map(|row| &row[1..=columns]);
+    let shown = raster.bytes.chunks_exact(3).zip(inner).flat_map(|(rgb, height)| [rgb[0], rgb[1], rgb[2], if *height == 0.0 { 0 } else { 255 }]);
+    Raster { size: raster.size, pixels: Pixels::Channels, bytes: shown.collect() }.encode(Image::Png).map_err(TileError::from)
+}
+
+/// The surface with a sample more on every side, and its picture.
+fn relief(source: &impl Source, window: &Window, sea_level: f64) -> Result<(Surface, Raster), TileError> {
     let grown = window.with_apron(1);
     let mut surface = Surface::of(&grown);
     source.sample(&grown, &mut surface);
@@ -41,8 +62,8 @@ pub fn preview(source: &impl Source, window: &Window, sea_level: f64) -> Result<
     }
     let ramp = Ramp::over(sea_level, bulk(&surface).map(f64::from));
     let spacing = window.spacing() / stretch(&surface, window.spacing(), sea_level as f32);
-    let size = [window.columns.len(), window.rows.len()];
-    Raster { size, pixels: Pixels::Rgb, bytes: relief::draw(&surface, spacing, &ramp) }.encode(Image::Png).map_err(TileError::from)
+    let bytes = relief::draw(&surface, spacing, &ramp);
+    Ok((surface, Raster { size: [window.columns.len(), window.rows.len()], pixels: Pixels::Rgb, bytes }))
 }
 
 /// Elevations that 0.5 % and 99.5 % of the samples lie below: one needle of rock must not take the colours from all the rest.

@@ -2,9 +2,10 @@
 
 use super::{
     base::{Base, ElevationRange, WrittenBase, WrittenRange, vertical},
-    layer::{FeatureSets, Layer, Setting, WrittenLayer, layers},
+    layer::{Layer, Setting, WrittenLayer, layers},
     number::{optional_whole_number, whole, whole_number},
     object::Object,
+    parts::Parts,
     problem::{Checks, DocumentError, check_cost, read},
     revision::Revision,
 };
@@ -59,16 +60,19 @@ impl Document {
     /// # Errors
     /// If the bytes are not JSON, or with every problem of the document that could be found.
     pub fn parse(json: &[u8]) -> Result<Self, DocumentError> {
-        Self::parse_with(json, &FeatureSets::default())
+        Self::parse_with(json, &Parts::default())
     }
 
-    /// As [`Document::parse`], with the stored sets of features that the document may name.
+    /// As [`Document::parse`], with the stored parts that the document may name.
     ///
     /// # Errors
     /// As [`Document::parse`].
-    pub fn parse_with(json: &[u8], sets: &FeatureSets) -> Result<Self, DocumentError> {
-        let document = Self::parse_stored(json, sets)?;
+    pub fn parse_with(json: &[u8], parts: &Parts) -> Result<Self, DocumentError> {
+        let document = Self::parse_stored(json, parts)?;
         check_cost(&document.base.programme, "/base/programme")?;
+        for (i, layer) in document.layers.iter().enumerate() {
+            layer.detail().map_or(Ok(()), |programme| check_cost(programme, &format!("/layers/{i}/source/detail/programme")))?;
+        }
         Ok(document)
     }
 
@@ -76,8 +80,8 @@ impl Document {
     ///
     /// # Errors
     /// As [`Document::parse`].
-    pub fn parse_stored(json: &[u8], sets: &FeatureSets) -> Result<Self, DocumentError> {
-        read::<Written>(json)?.complete(sets)
+    pub fn parse_stored(json: &[u8], parts: &Parts) -> Result<Self, DocumentError> {
+        read::<Written>(json)?.complete(parts)
     }
 
     /// The document as indented JSON.
@@ -119,7 +123,7 @@ struct Written<'a> {
 }
 
 impl Written<'_> {
-    fn complete(self, sets: &FeatureSets) -> Result<Document, DocumentError> {
+    fn complete(self, parts: &Parts) -> Result<Document, DocumentError> {
         let mut checks = Checks(Vec::new());
         checks.seed(self.seed);
         let generator = self.generator.unwrap_or(GENERATOR.into());
@@ -134,7 +138,7 @@ impl Written<'_> {
         }
         let base = self.base.0.complete("/base", &mut checks);
         // Layers may take long to make, so what else is wrong is said first.
-        let setting = Setting { seed: self.seed, sea_level, sets };
+        let setting = Setting { seed: self.seed, sea_level, parts };
         let layers = if checks.0.is_empty() { layers(self.layers.unwrap_or_default(), &setting, &mut checks) } else { Vec::new() };
         let Some(base) = base.filter(|_| checks.0.is_empty()) else { return Err(DocumentError::Invalid(checks.0)) };
         let (title, description, attribution) = (self.title, self.description, self.attribution);

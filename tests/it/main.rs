@@ -15,6 +15,7 @@ mod golden;
 mod grow;
 mod hostile;
 mod http;
+mod jobs;
 mod keys;
 mod layers;
 mod levels;

@@ -36,6 +36,17 @@ fn no_route_is_added_beside_the_description() {
 async fn every_described_operation_is_there() {
     let client = Client::new().await;
     let description = serde_json::to_value(terrane::server::openapi()).unwrap();
+    let work = r#"{"paths":{"drawing":{"size":[9,9],"edges":{"random":{"mean":1,"deviation":0}},"sea_level":{"cost":5},
+        "strokes":[{"shape":{"geometry":{"type":"Point","coordinates":[4,4]}},"cost":0}]}}}"#;
+    let asked = client.send(Method::POST, "/jobs", &[], work).await.json();
+    let job = asked["id"].as_str().unwrap().to_owned();
+    let raster = loop {
+        tokio::time::sleep(std::time::Duration::from_millis(10)).await;
+        let ended = client.get(&format!("/jobs/{job}")).await.json();
+        if let Some(url) = ended["raster"].as_str() {
+            break url.rsplit('/').next().unwrap().to_owned();
+        }
+    };
     let fill = |template: &str| {
         let filled = [
             ("{world}", "hills"),
@@ -43,6 +54,8 @@ async fn every_described_operation_is_there() {
             ("{grid}", "web"),
             ("{tileset}", "terrarium"),
             ("{id}", "ridge"),
+            ("{job}", &job),
+            ("{raster}", &raster),
             ("{z}", "3"),
             ("{x}", "4"),
             ("{y}", "2.png"),
@@ -73,6 +86,7 @@ async fn every_described_operation_is_there() {
                     features if features.contains("/features") => {
                         r#"{"type":"Feature","id":"ridge","geometry":{"type":"Point","coordinates":[0,0,5]},"properties":{"attributes":[]}}"#
                     }
+                    jobs if jobs.starts_with("/jobs") => work,
                     elevation if elevation.ends_with("/elevation") => r#"{"points":[[0,0]]}"#,
                     generate if generate.ends_with("/generate") => r#"{"generate":"landmass","radius":1000}"#,
                     _ => r#"{"seed":1,"base":{"programme":"x","scale":1}}"#,

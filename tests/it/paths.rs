@@ -111,3 +111,35 @@ async fn what_is_wrong_with_a_drawing_is_told_with_its_place() {
     assert_eq!(client.get("/worlds/drawn").await.status, StatusCode::NOT_FOUND, "nothing was stored");
     assert_eq!(answer(json!({"drawing": drawing()})).await.status, StatusCode::CREATED);
 }
+
+#[test]
+fn detail_is_where_heights_are_and_nowhere_else() {
+    let with = |detail: Value| {
+        let mut document = document(json!({"drawing": drawing()}));
+        document["layers"][0]["source"]["detail"] = detail;
+        document
+    };
+    let plain = world(&document(json!({"drawing": drawing()})));
+    let detailed = world(&with(json!({"programme": "fbm(1, 2, 6)", "scale": 60, "amplitude": 12})));
+    let near: Vec<f32> = (0..200).map(|i| elevation(&detailed, f64::from(i) * 1.7, 0.0) - elevation(&plain, f64::from(i) * 1.7, 0.0)).collect();
+    let rms = (near.iter().map(|d| d * d).sum::<f32>() / 200.0).sqrt();
+    assert!(rms > 1.0 && near.iter().all(|d| d.abs() <= 24.0), "{rms}");
+    assert_eq!(elevation(&detailed, 0.0, 60_000.0), elevation(&plain, 0.0, 60_000.0));
+    // What samples cannot carry is not there.
+    let seen = |world: &World| world.evaluate(&Window::area([-1000.0, -900.0, 1000.0, 900.0], 200.0, Filter::Band, 1 << 20).unwrap()).elevation;
+    let left = seen(&detailed).iter().zip(&seen(&plain)).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(left < 0.05 * rms, "{left} of {rms}");
+    let completed = detailed.document().to_json();
+    assert_eq!(Document::parse(completed.as_bytes()).unwrap().to_json(), completed);
+    let tag = |world: &World| world.identify("a tile", &Rectangle { min: [-100.0, -100.0], max: [100.0, 100.0] });
+    assert_ne!(tag(&plain), tag(&detailed));
+
+    let refused = |document: &Value| Document::parse(document.to_string().as_bytes()).unwrap_err().to_string();
+    let problem = refused(&with(json!({"programme": "fbm(1, 2, 6)", "scale": 60})));
+    assert_eq!(problem, "/layers/0/source/detail/amplitude: is needed: metres of elevation per unit of the programme's value");
+    let problem = refused(&with(json!({"programme": "fmb(1, 2, 6)", "scale": 60, "amplitude": 1})));
+    assert!(problem.starts_with("/layers/0/source/detail/programme: character 1: unknown function \"fmb\""), "{problem}");
+    let beside = json!({"seed": 5, "base": {"programme": "0", "scale": 1}, "layers": [{"name": "a", "source":
+        {"layout": {"features": []}, "detail": {"programme": "x", "scale": 1, "amplitude": 1}}}]});
+    assert_eq!(refused(&beside), "/layers/0/source/detail: has no meaning beside a layout");
+}

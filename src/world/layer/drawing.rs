@@ -2,11 +2,11 @@
 
 use super::{
     Setting,
-    ground::{Drawn, Ground},
+    ground::{Ground, Heights, Raised},
     source::{Completed, Drawing as NoFeatures, made},
 };
 use crate::{
-    geometry::{Raster, Stop},
+    geometry::Stop,
     noise,
     paths::{Drawing, DrawingError, Endless, EndlessDrawing, Plan},
     world::{
@@ -15,7 +15,7 @@ use crate::{
     },
 };
 use serde::Deserialize;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::sync::Arc;
 
 /// Most nodes that the searches of a layer's drawing may settle, as far as is known beforehand: a few seconds.
@@ -27,13 +27,6 @@ const MOST_SETTLED: u64 = 200_000_000;
 pub(super) struct WrittenPaths {
     drawing: Option<Drawing>,
     endless: Option<EndlessDrawing>,
-}
-
-/// A drawing's terrain: metres above what is beneath.
-#[derive(Debug)]
-pub(super) enum Heights {
-    Finite(Raster),
-    Endless(Box<Endless>),
 }
 
 /// Checks and completes a drawing; makes its heights unless they are there already or something is wrong.
@@ -52,12 +45,16 @@ fn refused(error: DrawingError, at: &str, checks: &mut Checks) {
     checks.add(&format!("{at}{}", error.pointer), error.detail);
 }
 
+fn raised(heights: Heights, source: &Value) -> Ground {
+    Ground::Raised(Arc::new(Raised { heights, form: format!("paths 1 {}", Revision::of(source)) }), None)
+}
+
 fn endless(drawing: EndlessDrawing, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
     let source = whole_numbers(json!({"paths": {"endless": drawing}}));
     let ground = made(&source, setting, || {
         let seed = noise::key(setting.seed, drawing.seed);
         let endless = Endless::new(drawing, seed).map_err(|error| refused(error, at, checks)).ok()?;
-        Some(Ground::Paths(Arc::new(Drawn { heights: Heights::Endless(Box::new(endless)), drawing: Revision::of(&source) })))
+        Some(raised(Heights::Endless(Box::new(endless)), &source))
     })?;
     Some(Completed { source, ground, features: NoFeatures::default() })
 }
@@ -77,7 +74,7 @@ fn finite(drawing: &Drawing, at: &str, setting: &Setting, checks: &mut Checks) -
             return None;
         }
         let heights = plan.heights(&Stop::never(), &|_| {});
-        Some(Ground::Paths(Arc::new(Drawn { heights: Heights::Finite(heights.raster(drawing)), drawing: Revision::of(&source) })))
+        Some(raised(Heights::Finite(Arc::new(heights.raster(drawing))), &source))
     })?;
     Some(Completed { source, ground, features: NoFeatures::default() })
 }

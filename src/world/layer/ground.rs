@@ -1,9 +1,10 @@
 //! The terrain of a layer, whatever its source.
 
-use super::drawing::Heights;
+use super::detail::Detail;
 use crate::{
-    geometry::{Rectangle, Stop, Window},
+    geometry::{Raster, Rectangle, Stop, Window},
     layout::{ContentHash, FieldKind, FieldSurface, Layout, LayoutSurface, Scatter, Selection, geojson::FeatureSet},
+    paths::Endless,
     world::revision::Revision,
 };
 use std::sync::Arc;
@@ -16,23 +17,45 @@ pub(super) enum Ground {
         layout: Arc<Layout>,
         /// Whether what is below the layer is the base of the merge.
         over_base: bool,
-        /// The features that generators made, as they would be drawn.
+        /// The features that generators made, as they would be raised.
         generated: Arc<FeatureSet>,
     },
     /// Features without end.
     Scatter(Arc<Scatter>),
-    /// The heights of a drawing, on what is beneath.
-    Paths(Arc<Drawn>),
+    /// Heights on what is beneath, and what lies between their nodes.
+    Raised(Arc<Raised>, Option<Arc<Detail>>),
 }
 
-/// A drawing's terrain, and its name.
+/// Heights, and what names all of them.
 #[derive(Debug)]
-pub(super) struct Drawn {
+pub(super) struct Raised {
     pub heights: Heights,
-    pub drawing: Revision,
+    pub form: String,
 }
 
-impl Drawn {
+/// Metres above what is beneath.
+#[derive(Debug)]
+pub(super) enum Heights {
+    Finite(Arc<Raster>),
+    Endless(Box<Endless>),
+}
+
+impl Raised {
+    /// Adds the heights over a window. Stopped, they are not whole.
+    fn add(&self, window: &Window, stop: &Stop, out: &mut [f32]) {
+        match &self.heights {
+            Heights::Finite(raster) => raster.add(window, stop, out),
+            Heights::Endless(endless) => endless.add(window, stop, out),
+        }
+    }
+
+    fn cost_ns(&self, window: &Window) -> f64 {
+        match &self.heights {
+            Heights::Finite(raster) => raster.cost_ns(window),
+            Heights::Endless(endless) => endless.cost_ns(window),
+        }
+    }
+
     fn reaches(&self, area: &Rectangle) -> bool {
         match &self.heights {
             Heights::Finite(raster) => raster.bounds().meets(area),
@@ -55,7 +78,10 @@ impl Ground {
         match self {
             Self::Layout { layout, over_base, .. } => format!("layout {over_base} {:?}", layout.options()),
             Self::Scatter(_) => "scatter".to_owned(),
-            Self::Paths(drawn) => format!("paths 1 {}", drawn.drawing),
+            Self::Raised(raised, detail) => {
+                let detail = detail.as_ref().map(|detail| format!(" {}", Revision::of(detail.base())));
+                format!("{}{}", raised.form, detail.unwrap_or_default())
+            }
         }
     }
 
@@ -64,7 +90,7 @@ impl Ground {
         match self {
             Self::Layout { layout, .. } => material(layout).map_or(&[], |(_, names)| names),
             Self::Scatter(scatter) => scatter.materials(),
-            Self::Paths(_) => &[],
+            Self::Raised(..) => &[],
         }
     }
 
@@ -74,7 +100,7 @@ impl Ground {
             Self::Layout { layout, .. } => layout.content_in(area),
             Self::Scatter(scatter) => Some(scatter.content()),
             // The form names all of it.
-            Self::Paths(drawn) => drawn.reaches(area).then_some(ContentHash([0; 16])),
+            Self::Raised(raised, _) => raised.reaches(area).then_some(ContentHash([0; 16])),
         }
     }
 
@@ -83,7 +109,7 @@ impl Ground {
         match self {
             Self::Layout { layout, .. } => layout.reaches(area),
             Self::Scatter(_) => true,
-            Self::Paths(drawn) => drawn.reaches(area),
+            Self::Raised(raised, _) => raised.reaches(area),
         }
     }
 
@@ -92,10 +118,7 @@ impl Ground {
         match self {
             Self::Layout { layout, .. } => layout.cost_ns(window),
             Self::Scatter(scatter) => scatter.cost_ns(window),
-            Self::Paths(drawn) => match &drawn.heights {
-                Heights::Finite(raster) => raster.cost_ns(window),
-                Heights::Endless(endless) => endless.cost_ns(window),
-            },
+            Self::Raised(raised, detail) => raised.cost_ns(window) + detail.as_ref().map_or(0.0, |detail| detail.cost_ns(window)),
         }
     }
 
@@ -113,11 +136,17 @@ impl Ground {
                 (surface, if materials { heaviest } else { Vec::new() }, fractions)
             }
             Self::Scatter(scatter) => scatter.sample(window, base, [cover, materials, shares], stop),
-            Self::Paths(drawn) => {
+            Self::Raised(raised, detail) => {
                 let mut elevation = base.to_vec();
-                match &drawn.heights {
-                    Heights::Finite(raster) => raster.add(window, stop, &mut elevation),
-                    Heights::Endless(endless) => endless.add(window, stop, &mut elevation),
+                if let Some(detail) = detail {
+                    let mut heights = vec![0.0; elevation.len()];
+                    raised.add(window, stop, &mut heights);
+                    for (elevation, height) in elevation.iter_mut().zip(&heights) {
+                        *elevation += height;
+                    }
+                    detail.add(window, &heights, stop, &mut elevation);
+                } else {
+                    raised.add(window, stop, &mut elevation);
                 }
                 let samples = window.samples();
                 let of = |wanted: bool| if wanted { vec![0.0; samples] } else { Vec::new() };

@@ -12,27 +12,7 @@ use crate::{
     world::problem::{Checks, whole_numbers},
 };
 use serde_json::{Value, json};
-use std::{collections::BTreeMap, sync::Arc};
-
-/// Stored sets of features by name: what a document that names them is read with.
-#[derive(Clone, Debug, Default)]
-pub struct FeatureSets(BTreeMap<String, Arc<FeatureSet>>);
-
-impl FeatureSets {
-    /// The names of all sets that a document names, whether or not it is one otherwise.
-    #[must_use]
-    pub fn named_in(json: &[u8]) -> Vec<String> {
-        let document: Value = serde_json::from_slice(json).unwrap_or_default();
-        let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
-        let items = list(&document["layers"]).into_iter().flat_map(|layer| list(&layer["source"]["layout"]["features"]));
-        items.filter_map(|item| item["set"].as_str().map(str::to_owned)).collect()
-    }
-
-    /// Adds a set.
-    pub fn insert(&mut self, name: String, set: Arc<FeatureSet>) {
-        self.0.insert(name, set);
-    }
-}
+use std::sync::Arc;
 
 /// An item of the list.
 pub(super) enum Item {
@@ -70,7 +50,7 @@ impl Item {
             checks.add(at, "beside set there is no other member");
         }
         let name = set.as_str().unwrap_or_default();
-        let Some(set) = setting.sets.0.get(name) else {
+        let Some(set) = setting.parts.set(name) else {
             checks.add(&format!("{at}/set"), format!("must be the hash of a stored set of features, which changing a world's features makes; got {name:?}"));
             return None;
         };

@@ -1,6 +1,7 @@
 //! What lies above the base: layers, each a source of terrain with a way to lie over what is below.
 
 mod blend;
+mod detail;
 mod drawing;
 mod generator;
 mod ground;
@@ -12,16 +13,16 @@ mod source;
 pub(super) use blend::Below;
 pub use blend::Blend;
 pub(super) use generator::generator_problem;
-pub use item::FeatureSets;
 pub use mask::Mask;
 
-use super::{Document, name::check_name, number::whole, object::Object, problem::Checks, revision::Revision};
+use super::{Document, name::check_name, number::whole, object::Object, parts::Parts, problem::Checks, revision::Revision};
 use crate::{
     geometry::{PLANE_LIMIT, Rectangle, Window},
     layout::{
         Layout,
         geojson::{Collection, Drawn, FeatureSet, Sets},
     },
+    programme::Programme,
 };
 use ground::Ground;
 use item::{Item, generate};
@@ -87,8 +88,8 @@ pub(super) struct WrittenLayer<'a> {
 pub(super) struct Setting<'a> {
     pub seed: u64,
     pub sea_level: f64,
-    /// Stored sets of features that it may name.
-    pub sets: &'a FeatureSets,
+    /// Stored parts that it may name.
+    pub parts: &'a Parts,
 }
 
 impl WrittenLayer<'_> {
@@ -142,7 +143,7 @@ pub(super) fn materials(layers: &[Layer]) -> Vec<Box<str>> {
 
 /// Makes the features of generators, items of a list with their numbers, as they would be drawn. They may name features and sets of attributes of the world.
 pub(super) fn generated(world: &Document, items: Vec<(usize, Value)>, at: &dyn Fn(usize) -> String, checks: &mut Checks) -> Option<Collection> {
-    let setting = Setting { seed: world.seed, sea_level: world.sea_level, sets: &FeatureSets::default() };
+    let setting = Setting { seed: world.seed, sea_level: world.sea_level, parts: &Parts::default() };
     let (before, sets) = (checks.0.len(), known_sets(world));
     let (mut seeded, mut numbers) = (Vec::new(), Vec::new());
     for (i, mut item) in items {
@@ -197,16 +198,24 @@ impl Layer {
     pub fn drawn(&self) -> impl Iterator<Item = &Arc<FeatureSet>> + '_ {
         let generated = match &self.ground {
             Ground::Layout { generated, .. } => Some(generated),
-            Ground::Scatter(_) | Ground::Paths(_) => None,
+            Ground::Scatter(_) | Ground::Raised(..) => None,
         };
         self.features.drawn.iter().chain(generated)
+    }
+
+    /// The programme that lies between the nodes of its heights.
+    pub(super) fn detail(&self) -> Option<&Programme> {
+        match &self.ground {
+            Ground::Raised(_, Some(detail)) => Some(&detail.base().programme),
+            _ => None,
+        }
     }
 
     /// The islands of a layer without end that samples so far apart show in an area; none where they would be many.
     #[must_use]
     pub fn islands(&self, area: &Rectangle, spacing: f64) -> Vec<Arc<Layout>> {
         match &self.ground {
-            Ground::Layout { .. } | Ground::Paths(_) => Vec::new(),
+            Ground::Layout { .. } | Ground::Raised(..) => Vec::new(),
             Ground::Scatter(scatter) => scatter.islands(area, spacing),
         }
     }

@@ -2,9 +2,10 @@
 
 use super::{
     Setting,
+    detail::Detail,
     drawing::{self, WrittenPaths},
     generator::{Generator, Seeded, problem},
-    ground::{Drawn, Ground},
+    ground::{Ground, Heights, Raised},
     item::{Item, generate},
 };
 use crate::{
@@ -15,6 +16,7 @@ use crate::{
     },
     noise,
     world::{
+        base::WrittenBase,
         object::Object,
         problem::{Checks, whole_numbers},
         revision::Revision,
@@ -39,6 +41,16 @@ pub(super) struct WrittenSource<'a> {
     #[serde(borrow)]
     layout: Option<Object<WrittenLayout<'a>>>,
     paths: Option<Object<WrittenPaths>>,
+    raster: Option<Object<WrittenRaster>>,
+    #[serde(borrow)]
+    detail: Option<Object<WrittenBase<'a>>>,
+}
+
+/// Stored heights as users write them.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WrittenRaster {
+    hash: String,
 }
 
 /// The features of a layer that were drawn.
@@ -105,12 +117,33 @@ struct WrittenScatter<'a> {
 }
 
 /// Checks and completes a source; makes its terrain unless that is there already or something is wrong.
-pub(super) fn complete(written: WrittenSource, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
-    let layout = match (written.layout, written.paths) {
-        (Some(Object(layout)), None) => layout,
-        (None, Some(Object(paths))) => return drawing::complete(paths, &format!("{at}/paths"), setting, checks),
+pub(super) fn complete(mut written: WrittenSource, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
+    let detail = written.detail.take();
+    let mut completed = without_detail(written, at, setting, checks);
+    if let Some(Object(detail)) = detail {
+        let at = format!("{at}/detail");
+        if detail.amplitude.is_none() {
+            checks.add(&format!("{at}/amplitude"), "is needed: metres of elevation per unit of the programme's value");
+        }
+        let detail = detail.complete(&at, checks)?;
+        let completed = completed.as_mut()?;
+        let Ground::Raised(_, own) = &mut completed.ground else {
+            checks.add(&at, "has no meaning beside a layout");
+            return None;
+        };
+        completed.source.as_object_mut()?.insert("detail".to_owned(), whole_numbers(json!(detail)));
+        *own = Some(Arc::new(Detail::new(detail, setting.seed)));
+    }
+    completed
+}
+
+fn without_detail(written: WrittenSource, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
+    let layout = match (written.layout, written.paths, written.raster) {
+        (Some(Object(layout)), None, None) => layout,
+        (None, Some(Object(paths)), None) => return drawing::complete(paths, &format!("{at}/paths"), setting, checks),
+        (None, None, Some(Object(raster))) => return stored(&raster, &format!("{at}/raster"), setting, checks),
         _ => {
-            checks.add(at, "a source is either a layout or paths");
+            checks.add(at, "a source is either a layout, paths or a raster");
             return None;
         }
     };
@@ -123,6 +156,16 @@ pub(super) fn complete(written: WrittenSource, at: &str, setting: &Setting, chec
             None
         }
     }
+}
+
+fn stored(written: &WrittenRaster, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
+    let hash = &written.hash;
+    let Some(raster) = setting.parts.raster(hash) else {
+        checks.add(&format!("{at}/hash"), format!("must be the hash of a stored raster, which a job makes; got {hash:?}"));
+        return None;
+    };
+    let raised = Raised { heights: Heights::Finite(Arc::clone(raster)), form: format!("raster 1 {hash}") };
+    Some(Completed { source: json!({"raster": {"hash": hash}}), ground: Ground::Raised(Arc::new(raised), None), features: Drawing::default() })
 }
 
 fn features(written: WrittenLayout, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
@@ -233,7 +276,7 @@ type Known = LruCache<Revision, Remembered>;
 enum Remembered {
     Layout(Weak<Layout>, bool, Weak<FeatureSet>),
     Scatter(Weak<Scatter>),
-    Paths(Weak<Drawn>),
+    Raised(Weak<Raised>),
 }
 
 /// Most sources that are remembered.
@@ -250,7 +293,7 @@ pub(super) fn made(source: &Value, setting: &Setting, make: impl FnOnce() -> Opt
             layout.upgrade().zip(generated.upgrade()).map(|(layout, generated)| Ground::Layout { layout, over_base: *over_base, generated })
         }
         Some(Remembered::Scatter(scatter)) => scatter.upgrade().map(Ground::Scatter),
-        Some(Remembered::Paths(drawn)) => drawn.upgrade().map(Ground::Paths),
+        Some(Remembered::Raised(raised)) => raised.upgrade().map(|raised| Ground::Raised(raised, None)),
         None => None,
     };
     if remembered.is_some() {
@@ -260,7 +303,7 @@ pub(super) fn made(source: &Value, setting: &Setting, make: impl FnOnce() -> Opt
     let weak = match &ground {
         Ground::Layout { layout, over_base, generated } => Remembered::Layout(Arc::downgrade(layout), *over_base, Arc::downgrade(generated)),
         Ground::Scatter(scatter) => Remembered::Scatter(Arc::downgrade(scatter)),
-        Ground::Paths(drawn) => Remembered::Paths(Arc::downgrade(drawn)),
+        Ground::Raised(raised, _) => Remembered::Raised(Arc::downgrade(raised)),
     };
     known().put(key, weak);
     Some(ground)
