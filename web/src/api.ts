@@ -132,6 +132,47 @@ export async function replaceProgramme(name: string, document: JsonObject, etag:
   await request(`programmes/${name}`, send('PUT', document, { 'If-Match': etag }));
 }
 
+/** Long work. */
+export interface Job {
+  id: string;
+  state: 'waiting' | 'running' | 'done' | 'failed';
+  /** 0 … 1 */
+  progress: number;
+  /** Address of the raster that it made. */
+  raster?: string;
+  failure?: string;
+  /** What it is asked for; not in lists. */
+  work?: JsonObject;
+}
+
+/** About what a job will make: a picture and where it lies, in metres. */
+export interface JobPreview {
+  bbox: [number, number, number, number];
+  elevation: [number, number];
+  steps: number;
+  picture: string;
+}
+
+export async function previewJob(work: JsonObject): Promise<JobPreview> {
+  return (await (await request('jobs/preview', send('POST', work))).json()) as JobPreview;
+}
+
+export async function askJob(work: JsonObject): Promise<Job> {
+  return (await (await request('jobs', send('POST', work))).json()) as Job;
+}
+
+export async function readJob(id: string): Promise<Job> {
+  return (await (await request(`jobs/${id}`, { cache: 'no-cache' })).json()) as Job;
+}
+
+export async function jobs(): Promise<Job[]> {
+  return ((await (await request('jobs', { cache: 'no-cache' })).json()) as { jobs: Job[] }).jobs;
+}
+
+export async function forgetJob(id: string): Promise<void> {
+  await request(`jobs/${id}`, { method: 'DELETE' });
+}
+
 /** A picture that needs the user's key, as an address of its own. */
 export async function keyedPicture(path: string): Promise<string> {
   return URL.createObjectURL(await (await request(path)).blob());

@@ -4,6 +4,7 @@ import {
   setWorkerUrl,
   type LayerSpecification,
   type RasterDEMTileSource,
+  type SourceSpecification,
   type StyleSpecification,
 } from 'maplibre-gl';
 import workerUrl from 'maplibre-gl/dist/maplibre-gl-worker.mjs?url';
@@ -30,6 +31,12 @@ export interface View {
 export interface ShownTile {
   template: string;
   z: number;
+}
+
+/** What lies over the world without being part of it. */
+export interface Extra {
+  sources: Record<string, SourceSpecification>;
+  layers: LayerSpecification[];
 }
 
 /** The source whose tiles bend the terrain in 3D. */
@@ -93,6 +100,7 @@ export class TerrainMap {
   #tilted: boolean;
   #exaggeration: number;
   #overlays: readonly Overlay[];
+  #extra: Extra = { sources: {}, layers: [] };
   #renewals = 0;
   #renewing = false;
 
@@ -146,6 +154,12 @@ export class TerrainMap {
       const id = layer.id + this.#mark;
       if (overlay && this.map.getLayer(id)) this.map.setLayoutProperty(id, 'visibility', visibility(overlays, overlay));
     }
+  }
+
+  /** Lays something over this world and those that come after it; without `now`, when the style is next set. */
+  setExtra(extra: Extra, now = true): void {
+    this.#extra = extra;
+    if (now && this.map.getStyle()) this.map.setStyle(this.#complete());
   }
 
   get camera(): Camera {
@@ -247,7 +261,9 @@ export class TerrainMap {
 
   #complete(): StyleSpecification {
     const terrain = this.#terrain();
-    return terrain ? { ...this.#style, terrain } : this.#style;
+    const { sources, layers } = this.#extra;
+    const style = { ...this.#style, sources: { ...this.#style.sources, ...sources }, layers: [...this.#style.layers, ...layers] };
+    return terrain ? { ...style, terrain } : style;
   }
 
   #opening(style: StyleSpecification, camera?: Camera) {

@@ -1,6 +1,7 @@
 import { AttributionControl, GPUInitializationError, type ErrorEvent, type StyleSpecification } from 'maplibre-gl';
-import { Unreachable, catalog, readStyle, readWorld, type CatalogEntry } from './api.ts';
+import { Unreachable, catalog, readStyle, readWorld, type CatalogEntry, type Stored } from './api.ts';
 import { ask } from './dialog.ts';
+import { DrawPanel } from './drawing/panel.ts';
 import { Editor } from './editor.ts';
 import { STARTER } from './fields.ts';
 import { formatLink, parseLink, type Link, type Overlay } from './link.ts';
@@ -10,6 +11,9 @@ import { OverlayControl } from './overlay-control.ts';
 import { Readout } from './readout.ts';
 import { showScale } from './scale.ts';
 import { ViewControl } from './view-control.ts';
+
+/** What opens beside the map, one at a time. */
+type Panel = 'edit' | 'draw';
 
 /** What the server says when it is busy; it is asked again after a while. */
 const BUSY = [429, 503];
@@ -30,8 +34,10 @@ function message(error: unknown): string {
 export class Viewer {
   readonly #stage = find('#stage');
   readonly #select = find<HTMLSelectElement>('#world');
-  readonly #editButton = find<HTMLButtonElement>('#edit');
-  readonly #panel = find('#panel');
+  readonly #panels: Record<Panel, { button: HTMLButtonElement; element: HTMLElement }> = {
+    edit: { button: find('#edit'), element: find('#panel') },
+    draw: { button: find('#draw-button'), element: find('#draw') },
+  };
   readonly #notice = new Notice(find('#notice'));
   readonly #editor = new Editor(find<HTMLFormElement>('#editor'), {
     saved: (name) => void this.#renew(name),
@@ -40,6 +46,7 @@ export class Viewer {
   readonly #control = new ViewControl(find('#height'), (view) => this.#changeView(view));
   readonly #overlayControl = new OverlayControl((overlays) => this.#changeView({ overlays }));
   #terrain: TerrainMap | undefined;
+  #drawing: DrawPanel | undefined;
   #world: string | undefined;
   #opening = 0;
   #retry: number | undefined;
@@ -81,8 +88,8 @@ export class Viewer {
     this.#select.replaceChildren(new Option('No worlds yet'));
     this.#notice.info('This server has no worlds yet. The form makes the first one.');
     this.#editor.load(undefined, { document: STARTER, etag: '' });
-    this.#editButton.disabled = false;
-    this.#showPanel(true);
+    this.#panels.edit.button.disabled = false;
+    this.#showPanel('edit');
   }
 
   async #open(name: string, view: View): Promise<void> {
@@ -94,9 +101,11 @@ export class Viewer {
       if (opening !== this.#opening) return; // another world was chosen meanwhile
       this.#world = name;
       this.#editor.load(name, stored);
-      this.#editButton.disabled = false;
+      this.#panels.edit.button.disabled = false;
       this.#notice.clear();
       this.#showStyle(style, view);
+      this.#panels.draw.button.disabled = false;
+      if (this.#isOpen('draw')) await this.#drawing?.show(name);
     } catch (error) {
       if (opening !== this.#opening) return;
       if (this.#world) this.#select.value = this.#world; // that is still the one shown
@@ -111,6 +120,7 @@ export class Viewer {
     } else {
       this.#terrain = new TerrainMap(find('#map'), style, view);
       this.#attach(this.#terrain);
+      this.#drawing = new DrawPanel(this.#panels.draw.element, this.#terrain, { saved: (name, stored) => this.#drawn(name, stored) });
     }
     this.#showControls(this.#terrain);
     this.#writeLink();
@@ -150,6 +160,13 @@ export class Viewer {
     } catch (error) {
       this.#fail(error, () => void this.#renew(name));
     }
+  }
+
+  /** Terrain was drawn: the map shows it, and the form what is stored now unless something in it would be lost. */
+  #drawn(name: string, stored: Stored): void {
+    if (name !== this.#world) return;
+    if (!this.#editor.changed) this.#editor.load(name, stored);
+    void this.#renew(name);
   }
 
   async #showCreated(name: string): Promise<void> {
@@ -254,20 +271,41 @@ export class Viewer {
     return reply?.answer === 'discard';
   }
 
-  #showPanel(open: boolean): void {
-    this.#panel.hidden = !open;
-    this.#editButton.setAttribute('aria-expanded', String(open));
-    if (open) this.#panel.querySelector<HTMLElement>('textarea')?.focus({ preventScroll: true });
-    else this.#editButton.focus();
+  #isOpen(panel: Panel): boolean {
+    return !this.#panels[panel].element.hidden;
+  }
+
+  /** Opens one panel, or closes the one that is open. */
+  #showPanel(open: Panel | undefined): void {
+    for (const [name, { button, element }] of Object.entries(this.#panels)) {
+      const was = !element.hidden;
+      element.hidden = name !== open;
+      button.setAttribute('aria-expanded', String(name === open));
+      if (was && !open) button.focus();
+      if (was && name === 'draw' && open !== 'draw') this.#drawing?.hide();
+    }
+    if (!open) return;
+    this.#panels[open].element.querySelector<HTMLElement>('textarea, button[aria-pressed]')?.focus({ preventScroll: true });
+    if (open === 'draw' && this.#world) void this.#drawing?.show(this.#world);
+  }
+
+  #toggle(panel: Panel): void {
+    if (!this.#panels[panel].button.disabled) this.#showPanel(this.#isOpen(panel) ? undefined : panel);
   }
 
   #listen(): void {
     this.#select.addEventListener('change', () => void this.#choose(this.#select.value));
-    this.#editButton.addEventListener('click', () => this.#showPanel(Boolean(this.#panel.hidden)));
-    find('#close').addEventListener('click', () => this.#showPanel(false));
-    this.#panel.addEventListener('keydown', (event) => {
-      if (event.key === 'Escape') this.#showPanel(false);
-    });
+    for (const panel of Object.keys(this.#panels) as Panel[]) {
+      const { button, element } = this.#panels[panel];
+      button.addEventListener('click', () => this.#toggle(panel));
+      element.querySelector('.close')?.addEventListener('click', () => this.#showPanel(undefined));
+      element.addEventListener('keydown', (event) => {
+        if (event.key !== 'Escape') return;
+        event.preventDefault();
+        // The first Escape lays the pen down.
+        if (panel !== 'draw' || !this.#drawing?.key(event)) this.#showPanel(undefined);
+      });
+    }
     window.addEventListener('hashchange', () => void this.#followLink());
     window.addEventListener('beforeunload', (event) => {
       if (this.#editor.changed) event.preventDefault();
@@ -280,14 +318,22 @@ export class Viewer {
   }
 
   #shortcut(event: KeyboardEvent): void {
-    const typing = event.target instanceof Element && event.target.closest('input, textarea, select, dialog');
-    if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+    const typing = event.target instanceof Element && event.target.closest('input:not([type=range]), textarea, select, dialog');
+    if (typing || event.altKey || event.defaultPrevented) return;
+    if ((event.ctrlKey || event.metaKey) && event.key === 'z' && this.#isOpen('draw')) {
+      event.preventDefault();
+      return this.#drawing?.undo();
+    }
+    if (event.ctrlKey || event.metaKey) return;
+    const pressing = event.key === 'Enter' && event.target instanceof Element && event.target.closest('button, summary');
+    if (this.#isOpen('draw') && !pressing && this.#drawing?.key(event)) return event.preventDefault();
+    if (this.#isOpen('draw') && event.key === 'Escape') return this.#showPanel(undefined);
     const overlay = this.#overlayControl.overlayOf(event.key);
     if (overlay) this.#overlayControl.toggle(overlay);
     else if (event.key === 't' || event.key === 'T') this.#control.toggle();
-    else if ((event.key === 'e' || event.key === 'E') && !this.#editButton.disabled) {
+    else if (event.key === 'e' || event.key === 'E' || event.key === 'd' || event.key === 'D') {
       event.preventDefault(); // or the letter would land in the form
-      this.#showPanel(Boolean(this.#panel.hidden));
+      this.#toggle(event.key.toLowerCase() === 'e' ? 'edit' : 'draw');
     }
   }
 }
