@@ -21,6 +21,12 @@ impl Compute {
         rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(move |i| format!("{name}-{i}")).build().map(Self)
     }
 
+    /// The same for work that nobody waits for: where the system knows of priorities, its threads run when no others want to.
+    pub(super) fn last(name: &'static str, threads: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
+        let named = rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(move |i| format!("{name}-{i}"));
+        named.start_handler(|_| give_way()).build().map(Self)
+    }
+
     /// How many threads it has.
     pub(super) fn threads(&self) -> usize {
         self.0.current_num_threads()
@@ -41,6 +47,17 @@ impl Compute {
         receiver.await.unwrap_or(Err(Panicked))
     }
 }
+
+/// Lets other threads go first.
+#[cfg(unix)]
+fn give_way() {
+    if let Err(error) = thread_priority::set_current_thread_priority(thread_priority::ThreadPriority::Min) {
+        tracing::warn!(?error, "a thread for jobs could not be told to let others go first");
+    }
+}
+
+#[cfg(not(unix))]
+fn give_way() {}
 
 /// Runs a task here; a panic ends it alone.
 pub(super) fn caught<T>(task: impl FnOnce() -> T) -> Result<T, Panicked> {

@@ -93,7 +93,7 @@ impl App {
         let parts = Arc::new(StoredParts::new(store.clone()));
         let worlds = Worlds::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts), old_revisions).await.map_err(load)?;
         let library = library::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts)).await.map_err(load)?;
-        let jobs = Compute::new("job", config.server.threads)?;
+        let jobs = Compute::last("job", config.server.threads)?;
         let jobs = Jobs::load(store.clone(), jobs, config.limits.jobs).await.map_err(|error| load(error.into()))?;
         let mut tiles = Tiles::new(compute, Arc::clone(&metrics), config.cache.tile_bytes, config.limits.queue_ms);
         if config.cache.disk_bytes > 0 {

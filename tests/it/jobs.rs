@@ -119,10 +119,13 @@ async fn previews_show_the_same_place_and_store_nothing() {
     assert_eq!(of_job, shown);
 }
 
+/// A change that makes a drawing wrong, and where that is told.
+type Case<'a> = (&'a dyn Fn(&mut Value), &'a str);
+
 #[tokio::test]
 async fn what_is_wrong_is_told_with_its_place_and_nothing_is_stored() {
     let client = Client::new().await;
-    let cases: [(&dyn Fn(&mut Value), &str); 7] = [
+    let cases: [Case; 7] = [
         (&|drawing| drawing["strokes"] = json!([]), "/paths/drawing/strokes: "),
         (&|drawing| drawing["edges"] = json!({"random": {"mean": 1, "deviation": 1}}), "/paths/drawing/edges/random/deviation: "),
         (&|drawing| drawing["strokes"][0]["cost"] = json!(1e9), "/paths/drawing/sea_level: "),
