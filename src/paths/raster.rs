@@ -100,6 +100,12 @@ impl Raster {
     /// Puts a drawing's heights in their place.
     #[must_use]
     pub fn new(drawing: &Drawing, heights: Heights) -> Self {
+        Self::at(drawing.origin, drawing.spacing, heights)
+    }
+
+    /// Puts heights of nodes `spacing` metres apart in their place; the drawing's own south-western node lies at `origin`.
+    #[must_use]
+    pub fn at(origin: [f64; 2], spacing: f64, heights: Heights) -> Self {
         let Heights { first, columns, rows, metres, .. } = heights;
         let values: Vec<f32> = metres.chunks(columns).rev().flatten().copied().collect();
         let range = values.iter().fold([0.0, 0.0], |[low, high]: [f32; 2], value| [low.min(*value), high.max(*value)]);
@@ -107,7 +113,7 @@ impl Raster {
         while let Some(last) = levels.last().filter(|level| level.columns.max(level.rows) > 4) {
             levels.push(last.halved());
         }
-        Self { origin: drawing.origin, spacing: drawing.spacing, levels, range }
+        Self { origin, spacing, levels, range }
     }
 
     /// Beyond this there is nothing at any spacing.

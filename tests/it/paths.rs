@@ -102,7 +102,7 @@ async fn what_is_wrong_with_a_drawing_is_told_with_its_place() {
         (wrong("/strokes/0/cost", json!({"programme": "fmb(1)"})), format!("{at}/drawing/strokes/0/cost/programme: ")),
         (wrong("/strokes/0/profiles", json!(["cone"])), format!("{at}/drawing/strokes/0/profiles/0: no profile is called \"cone\"; there are flank")),
         (json!({"drawing": {"size": [9, 9], "colour": 1}}), format!("{at}/drawing/colour: unknown field")),
-        (json!({}), format!("{at}: paths are either a drawing or endless")),
+        (json!({}), format!("{at}: paths are either a drawing or endless or a shadow")),
         (json!({"endless": {"spacing": 10}}), format!("{at}/endless/cell: missing field")),
     ] {
         let answer = answer(source).await;

@@ -8,7 +8,7 @@ use super::{
 use crate::{
     geometry::Stop,
     noise,
-    paths::{Drawing, DrawingError, Endless, EndlessDrawing, Plan, Raster},
+    paths::{Drawing, DrawingError, Endless, EndlessDrawing, Plan, Raster, ShadowDrawing, ShadowPlan, ShadowTerrain},
     world::{
         problem::{Checks, whole_numbers},
         revision::Revision,
@@ -27,22 +27,25 @@ const MOST_SETTLED: u64 = 200_000_000;
 pub(super) struct WrittenPaths {
     drawing: Option<Drawing>,
     endless: Option<EndlessDrawing>,
+    shadow: Option<ShadowDrawing>,
 }
 
-/// A drawing's terrain: metres above what is beneath.
+/// A drawing's terrain: metres above what is beneath, or, of shadow pictures, in its place.
 #[derive(Debug)]
 pub(super) enum Heights {
     Finite(Raster),
     Endless(Box<Endless>),
+    Shadow(ShadowTerrain),
 }
 
 /// Checks and completes a drawing; makes its heights unless they are there already or something is wrong.
 pub(super) fn complete(written: WrittenPaths, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
-    match (written.drawing, written.endless) {
-        (Some(drawing), None) => finite(&drawing, &format!("{at}/drawing"), setting, checks),
-        (None, Some(drawing)) => endless(drawing, &format!("{at}/endless"), setting, checks),
+    match (written.drawing, written.endless, written.shadow) {
+        (Some(drawing), None, None) => finite(&drawing, &format!("{at}/drawing"), setting, checks),
+        (None, Some(drawing), None) => endless(drawing, &format!("{at}/endless"), setting, checks),
+        (None, None, Some(drawing)) => shadow(&drawing, &format!("{at}/shadow"), setting, checks),
         _ => {
-            checks.add(at, "paths are either a drawing or endless");
+            checks.add(at, "paths are either a drawing or endless or a shadow");
             None
         }
     }
@@ -78,6 +81,16 @@ fn finite(drawing: &Drawing, at: &str, setting: &Setting, checks: &mut Checks) -
         }
         let heights = plan.heights(&Stop::never(), &|_| {});
         Some(Ground::Paths(Arc::new(Drawn { heights: Heights::Finite(Raster::new(drawing, heights)), drawing: Revision::of(&source) })))
+    })?;
+    Some(Completed { source, ground, features: NoFeatures::default() })
+}
+
+fn shadow(drawing: &ShadowDrawing, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
+    let source = whole_numbers(json!({"paths": {"shadow": drawing}}));
+    let ground = made(&source, setting, || {
+        let plan = ShadowPlan::new(drawing).map_err(|error| refused(error, at, checks)).ok()?;
+        let terrain = ShadowTerrain::new(drawing, plan.heights(&Stop::never()));
+        Some(Ground::Paths(Arc::new(Drawn { heights: Heights::Shadow(terrain), drawing: Revision::of(&source) })))
     })?;
     Some(Completed { source, ground, features: NoFeatures::default() })
 }

@@ -21,7 +21,7 @@ pub(super) enum Ground {
     },
     /// Features without end.
     Scatter(Arc<Scatter>),
-    /// The heights of a drawing, on what is beneath.
+    /// The heights of a drawing, on what is beneath or in its place.
     Paths(Arc<Drawn>),
 }
 
@@ -37,6 +37,7 @@ impl Drawn {
         match &self.heights {
             Heights::Finite(raster) => raster.bounds().meets(area),
             Heights::Endless(_) => true,
+            Heights::Shadow(terrain) => terrain.bounds().meets(area),
         }
     }
 }
@@ -95,6 +96,7 @@ impl Ground {
             Self::Paths(drawn) => match &drawn.heights {
                 Heights::Finite(raster) => raster.cost_ns(window),
                 Heights::Endless(endless) => endless.cost_ns(window),
+                Heights::Shadow(terrain) => terrain.cost_ns(window),
             },
         }
     }
@@ -118,6 +120,7 @@ impl Ground {
                 match &drawn.heights {
                     Heights::Finite(raster) => raster.add(window, stop, &mut elevation),
                     Heights::Endless(endless) => endless.add(window, stop, &mut elevation),
+                    Heights::Shadow(terrain) => terrain.lay(window, stop, &mut elevation),
                 }
                 let samples = window.samples();
                 let of = |wanted: bool| if wanted { vec![0.0; samples] } else { Vec::new() };
