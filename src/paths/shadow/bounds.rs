@@ -29,7 +29,7 @@ const MARGIN: f64 = 0.75;
 const LIFT: f64 = 1.0;
 const LEVELLING: f64 = 0.05;
 
-/// How far above the edge of any ray, in steps of its fall.
+/// How far ground that shall be lit comes above what shades it, in steps of the light's fall.
 const CLEAR: f64 = 0.05;
 
 /// Of the light's fall, how steeply free ground may rise away from shadows and what sets them off.
@@ -165,8 +165,8 @@ impl Bounds {
                 (Some(start), None) => self.between(ray, [s, e], [start, top]),
                 // Nothing here may cast its shadow on what sets others off.
                 (None, Some([_, foot])) => {
-                    for i in s..=e {
-                        self.upper[ray[i] as usize] = top.min(foot + (e + 1 - i) as f64 * GENTLE * ground.fall) as f32;
+                    for (i, slot) in (s..).zip(&ray[s..=e]) {
+                        self.upper[*slot as usize] = top.min(foot + (e + 1 - i) as f64 * GENTLE * ground.fall) as f32;
                     }
                 }
                 (None, None) => ray[s..=e].iter().for_each(|slot| self.upper[*slot as usize] = self.top),
@@ -176,9 +176,9 @@ impl Bounds {
 
     /// Heights between those of the two ends of a run.
     fn between(&mut self, ray: &[u32], [s, e]: [usize; 2], [start, end]: [f64; 2]) {
-        for i in s..=e {
-            let share = if e > s { (i - s) as f64 / (e - s) as f64 } else { 1.0 };
-            self.upper[ray[i] as usize] = (start + (end - start) * share) as f32;
+        for (i, slot) in ray[s..=e].iter().enumerate() {
+            let share = if e > s { i as f64 / (e - s) as f64 } else { 1.0 };
+            self.upper[*slot as usize] = (start + (end - start) * share) as f32;
         }
     }
 }

@@ -21,6 +21,9 @@ use std::collections::BTreeSet;
 /// Of the light's fall, what lit ground falls by at most: so light reaches it at any rounding.
 const LIT: f64 = 0.85;
 
+/// How far lit ground comes above what shades it, in steps of the light's fall.
+const RISE: f64 = 0.1;
+
 /// Nodes around shadows that secondary features keep from.
 const USUAL_CONTRAST: f64 = 8.0;
 
@@ -110,7 +113,9 @@ impl ShadowPlan {
         for (height, base) in heights.iter_mut().zip(&self.base) {
             *height = height.max(*base);
         }
+        let before = heights.clone();
         self.keep_lit(&mut heights, stop);
+        self.come_up(&mut heights, &before, stop);
         self.finish(&heights, settled)
     }
 
@@ -125,16 +130,37 @@ impl ShadowPlan {
                 Part::Free | Part::Contrast => self.base[slot],
                 Part::Crest | Part::Hole => heights[slot],
             };
-            heights[slot] = heights[slot].min(most[slot]).max(least);
+            if heights[slot] > most[slot] {
+                // What took it down took down what stands behind it: rays of its own would spread that sideways.
+                heights[slot] = most[slot].max(least);
+                continue;
+            }
             let rays = (1..).map(|step| f64::from(heights[slot]) + step as f64 * rise);
             for (ray, (slots, share)) in rays.take_while(|ray| *ray <= top).zip(self.towards.way(slot)) {
                 let passed = if share > 0.0 { &slots[..] } else { &slots[..1] };
-                let lower = |slot: &usize| (ray as f32) < most[*slot];
-                // Where another ray went lower, it goes lower from there on.
-                if !passed.iter().any(lower) {
-                    break;
+                for slot in passed {
+                    most[*slot] = most[*slot].min(ray as f32);
                 }
-                passed.iter().for_each(|slot| most[*slot] = most[*slot].min(ray as f32));
+            }
+        }
+    }
+
+    /// Brings up again, as far as it was before, what was taken down so far that its neighbours shade it.
+    fn come_up(&self, heights: &mut [f32], before: &[f32], stop: &Stop) {
+        let top = f64::from(heights.iter().copied().fold(f32::NEG_INFINITY, f32::max));
+        for slot in self.towards.lines().take_while(|_| !stop.is_set()).flatten() {
+            if heights[slot] >= before[slot] {
+                continue;
+            }
+            let own = f64::from(heights[slot]);
+            let falls = (1..).map(|step| f64::from(step) * self.fall).take_while(|fall| own + fall < top);
+            let horizon = falls.zip(self.towards.way(slot)).map(|(fall, ([a, b], share))| {
+                let [a, b] = [a, b].map(|slot| f64::from(heights[slot]));
+                a + (b - a) * share - fall
+            });
+            let horizon = horizon.fold(f64::NEG_INFINITY, f64::max);
+            if horizon + RISE * self.fall > own {
+                heights[slot] = before[slot].min((horizon + RISE * self.fall) as f32);
             }
         }
     }

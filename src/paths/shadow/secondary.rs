@@ -1,10 +1,7 @@
 //! Peaks and ridges between the wanted shadows.
 
 use super::{
-    super::{
-        canvas::Canvas,
-        document::DrawingError,
-    },
+    super::{canvas::Canvas, document::DrawingError},
     bounds::{Bounds, Part},
     climb::{Kind, Source},
     document::ShadowDrawing,
@@ -59,7 +56,7 @@ fn line(canvas: &Canvas, key: u64, free: &impl Fn(u32) -> bool) -> Option<Vec<u3
     let start = canvas.frame.node(canvas.by_chance(key, 0) as usize);
     let start = [start.column, start.row].map(|n| n as f64 * canvas.spacing);
     let point = |quarter: u64| {
-        let bend = if quarter % 4 == 0 { 0.0 } else { (draw(2 + quarter) - 0.5) * 0.4 };
+        let bend = if quarter.is_multiple_of(4) { 0.0 } else { (draw(2 + quarter) - 0.5) * 0.4 };
         let share = quarter as f64 / 4.0;
         [start[0] + along[0] * share - along[1] * bend, start[1] + along[1] * share + along[0] * bend]
     };
