@@ -344,20 +344,25 @@ impl Drawing {
     /// # Errors
     /// If it is not JSON, or a field is missing, unknown or of the wrong type.
     pub fn parse(json: &[u8]) -> Result<Self, DrawingError> {
-        let mut deserializer = serde_json::Deserializer::from_slice(json);
-        let drawing = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
-            let path: String = error
-                .path()
-                .iter()
-                .filter_map(|segment| match segment {
-                    serde_path_to_error::Segment::Seq { index } => Some(format!("/{index}")),
-                    serde_path_to_error::Segment::Map { key } => Some(format!("/{key}")),
-                    _ => None,
-                })
-                .collect();
-            DrawingError::new(path, error.inner().to_string())
-        })?;
-        deserializer.end().map_err(|error| DrawingError::new("", error.to_string()))?;
-        Ok(drawing)
+        parse(json)
     }
+}
+
+/// Reads a document; errors name their place.
+pub(super) fn parse<T: serde::de::DeserializeOwned>(json: &[u8]) -> Result<T, DrawingError> {
+    let mut deserializer = serde_json::Deserializer::from_slice(json);
+    let document = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
+        let path: String = error
+            .path()
+            .iter()
+            .filter_map(|segment| match segment {
+                serde_path_to_error::Segment::Seq { index } => Some(format!("/{index}")),
+                serde_path_to_error::Segment::Map { key } => Some(format!("/{key}")),
+                _ => None,
+            })
+            .collect();
+        DrawingError::new(path, error.inner().to_string())
+    })?;
+    deserializer.end().map_err(|error| DrawingError::new("", error.to_string()))?;
+    Ok(document)
 }

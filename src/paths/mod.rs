@@ -33,6 +33,7 @@ mod reference;
 mod regions;
 mod ridges;
 mod search;
+mod shadow;
 mod stroke;
 mod stroke_search;
 #[cfg(test)]
@@ -46,6 +47,7 @@ pub use document::{
 pub use endless::{CellStrokes, Chains, Endless, EndlessDrawing, Rings};
 pub use lattice::{Diagonal, Frame, Node, Random, STEPS, Weights};
 pub use plan::{Heights, MAX_NODES, MAX_REACH, MAX_STROKES, Plan};
-pub use preset::{PRESET_DRAWINGS, PresetDrawing};
+pub use preset::{PRESET_DRAWINGS, PRESET_SHADOWS, PresetDrawing};
 pub use profile::{Crest, Profile, ProfileError, Scaling, Stepping};
 pub use search::{Generator, Label, Search, Terrain, limits};
+pub use shadow::{Light, MAX_SHADOW_NODES, PathsDocument, Secondary, ShadowBase, ShadowDrawing, ShadowPlan, ShadowTerrain, cast};

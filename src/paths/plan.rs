@@ -78,8 +78,14 @@ impl Heights {
     /// The heights in their drawing's place.
     #[must_use]
     pub fn raster(&self, drawing: &Drawing) -> Raster {
+        self.placed(drawing.origin, drawing.spacing)
+    }
+
+    /// The heights on nodes `spacing` metres apart; the drawing's own south-western node lies at `origin`.
+    #[must_use]
+    pub fn placed(&self, origin: [f64; 2], spacing: f64) -> Raster {
         let values = self.metres.chunks(self.columns.max(1)).rev().flatten().copied().collect();
-        let place = Lattice { origin: drawing.origin, first: [self.first.column, self.first.row], spacing: drawing.spacing };
+        let place = Lattice { origin, first: [self.first.column, self.first.row], spacing };
         Raster::new(place, self.columns, values)
     }
 }

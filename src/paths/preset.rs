@@ -1,4 +1,4 @@
-//! The drawings that ship with the program: the 26 results of the thesis.
+//! The drawings that ship with the program: the 26 results of the thesis, and the two pictures by shadows.
 
 /// A drawing that ships with the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,4 +37,10 @@ pub const PRESET_DRAWINGS: [PresetDrawing; 26] = [
     PresetDrawing { name: "tower-karst", json: include_str!("../../data/paths/tower-karst.json") },
     PresetDrawing { name: "u-valley", json: include_str!("../../data/paths/u-valley.json") },
     PresetDrawing { name: "v-valley", json: include_str!("../../data/paths/v-valley.json") },
+];
+
+/// Every shadow picture that ships, by name.
+pub const PRESET_SHADOWS: [PresetDrawing; 2] = [
+    PresetDrawing { name: "shadow-face", json: include_str!("../../data/paths/shadow-face.json") },
+    PresetDrawing { name: "shadow-text", json: include_str!("../../data/paths/shadow-text.json") },
 ];

@@ -4,7 +4,8 @@ use crate::client::Client;
 use axum::http::StatusCode;
 use serde_json::{Value, json};
 use terrane::{
-    geometry::{Filter, Grid, Rectangle, Samples, Tile, Window},
+    geometry::{Filter, Grid, Rectangle, Samples, Stop, Tile, Window},
+    paths::{PRESET_SHADOWS, ShadowDrawing, ShadowPlan},
     tile::{Height, Options, TileRequest, Tileset, render},
     world::{Document, EXAMPLES, World},
 };
@@ -59,6 +60,44 @@ fn only_tiles_that_it_reaches_are_other_tiles() {
     assert_eq!(tag(&with, far), tag(&moved, far));
 }
 
+fn shadow() -> Value {
+    serde_json::from_str(PRESET_SHADOWS[1].json).unwrap()
+}
+
+/// A shadow picture has elevations of its own, which layers blend as they say.
+#[test]
+fn a_shadow_picture_takes_its_place_and_no_more() {
+    let with = |blend: &str, datum: f64| {
+        let mut document = document(json!({"shadow": shadow()}));
+        document["layers"][0]["blend"] = json!(blend);
+        document["base"]["datum"] = json!(datum);
+        world(&document)
+    };
+    let drawing = ShadowDrawing::parse(PRESET_SHADOWS[1].json.as_bytes()).unwrap();
+    let heights = ShadowPlan::new(&drawing).unwrap().heights(&Stop::never());
+    let (replaced, high, low) = (with("replace", 20.0), with("max", 20.0), with("max", -200.0));
+    for n in (0..heights.metres.len()).step_by(997) {
+        let (column, row, own) = (n % 512, 511 - n / 512, heights.metres[n]);
+        let [replaced, high, low] = [&replaced, &high, &low].map(|world| elevation(world, column as f64, row as f64));
+        assert!((replaced - own).abs() < 1e-3 && (low - own).abs() < 1e-3, "{column}, {row}: {replaced}, {low} for {own}");
+        assert!((high - own.max(20.0)).abs() < 1e-3, "{column}, {row}: {high} for {own}");
+    }
+    for (x, y) in [(-1.5, 100.0), (600.0, 100.0), (100.0, 513.0), (1e6, -1e6)] {
+        assert_eq!(elevation(&replaced, x, y), 20.0, "{x}, {y}");
+    }
+    // From afar its mean remains, and nothing but it changes.
+    let mean = heights.metres.iter().map(|height| f64::from(*height)).sum::<f64>() / heights.metres.len() as f64;
+    for spacing in [4.0, 40.0] {
+        let window = Window::area([-400.0, -400.0, 912.0, 912.0], spacing, Filter::Band, 1 << 22).unwrap();
+        let seen = replaced.evaluate(&window).elevation;
+        let volume: f64 = seen.iter().map(|height| (f64::from(*height) - 20.0) * spacing * spacing).sum();
+        let wanted = (mean - 20.0) * 512.0 * 512.0;
+        assert!((volume / wanted - 1.0).abs() < 0.03, "{spacing} m: {volume} for {wanted}");
+    }
+    let completed = replaced.document().to_json();
+    assert_eq!(Document::parse(completed.as_bytes()).unwrap().to_json(), completed);
+}
+
 /// At every level of the example world neighbours share their edge to the bit, and no tile takes too long to say so.
 #[test]
 fn tiles_of_endless_ranges_have_no_seams() {
@@ -94,6 +133,11 @@ async fn what_is_wrong_with_a_drawing_is_told_with_its_place() {
         *drawing.pointer_mut(pointer).unwrap() = value;
         json!({"drawing": drawing})
     };
+    let wrong_shadow = |pointer: &str, value: Value| {
+        let mut shadow = shadow();
+        *shadow.pointer_mut(pointer).unwrap() = value;
+        json!({"shadow": shadow})
+    };
     let at = "422 /layers/0/source/paths";
     for (source, problem) in [
         (wrong("/edges/random/deviation", json!(1)), format!("{at}/drawing/edges/random/deviation: must be 0 up to less than the mean 1, got 1")),
@@ -102,7 +146,9 @@ async fn what_is_wrong_with_a_drawing_is_told_with_its_place() {
         (wrong("/strokes/0/cost", json!({"programme": "fmb(1)"})), format!("{at}/drawing/strokes/0/cost/programme: ")),
         (wrong("/strokes/0/profiles", json!(["cone"])), format!("{at}/drawing/strokes/0/profiles/0: no profile is called \"cone\"; there are flank")),
         (json!({"drawing": {"size": [9, 9], "colour": 1}}), format!("{at}/drawing/colour: unknown field")),
-        (json!({}), format!("{at}: paths are either a drawing or endless")),
+        (json!({}), format!("{at}: paths are either a drawing or endless or a shadow")),
+        (wrong_shadow("/tilt", json!(0)), format!("{at}/shadow/tilt: must be 5 … 88, got 0")),
+        (wrong_shadow("/size", json!([9, 9])), format!("{at}/shadow/picture/data: must be 9 × 9 pixels like the drawing, got 512 × 512")),
         (json!({"endless": {"spacing": 10}}), format!("{at}/endless/cell: missing field")),
     ] {
         let answer = answer(source).await;
@@ -141,5 +187,5 @@ fn detail_is_where_heights_are_and_nowhere_else() {
     assert!(problem.starts_with("/layers/0/source/detail/programme: character 1: unknown function \"fmb\""), "{problem}");
     let beside = json!({"seed": 5, "base": {"programme": "0", "scale": 1}, "layers": [{"name": "a", "source":
         {"layout": {"features": []}, "detail": {"programme": "x", "scale": 1, "amplitude": 1}}}]});
-    assert_eq!(refused(&beside), "/layers/0/source/detail: has no meaning beside a layout");
+    assert_eq!(refused(&beside), "/layers/0/source/detail: has no meaning beside a layout or a shadow");
 }

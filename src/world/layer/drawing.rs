@@ -8,7 +8,7 @@ use super::{
 use crate::{
     geometry::Stop,
     noise,
-    paths::{Drawing, DrawingError, Endless, EndlessDrawing, Plan},
+    paths::{Drawing, DrawingError, Endless, EndlessDrawing, Plan, ShadowDrawing, ShadowPlan, ShadowTerrain},
     world::{
         problem::{Checks, whole_numbers},
         revision::Revision,
@@ -27,15 +27,17 @@ const MOST_SETTLED: u64 = 200_000_000;
 pub(super) struct WrittenPaths {
     drawing: Option<Drawing>,
     endless: Option<EndlessDrawing>,
+    shadow: Option<ShadowDrawing>,
 }
 
 /// Checks and completes a drawing; makes its heights unless they are there already or something is wrong.
 pub(super) fn complete(written: WrittenPaths, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
-    match (written.drawing, written.endless) {
-        (Some(drawing), None) => finite(&drawing, &format!("{at}/drawing"), setting, checks),
-        (None, Some(drawing)) => endless(drawing, &format!("{at}/endless"), setting, checks),
+    match (written.drawing, written.endless, written.shadow) {
+        (Some(drawing), None, None) => finite(&drawing, &format!("{at}/drawing"), setting, checks),
+        (None, Some(drawing), None) => endless(drawing, &format!("{at}/endless"), setting, checks),
+        (None, None, Some(drawing)) => shadow(&drawing, &format!("{at}/shadow"), setting, checks),
         _ => {
-            checks.add(at, "paths are either a drawing or endless");
+            checks.add(at, "paths are either a drawing, endless or a shadow");
             None
         }
     }
@@ -75,6 +77,16 @@ fn finite(drawing: &Drawing, at: &str, setting: &Setting, checks: &mut Checks) -
         }
         let heights = plan.heights(&Stop::never(), &|_| {});
         Some(raised(Heights::Finite(Arc::new(heights.raster(drawing))), &source))
+    })?;
+    Some(Completed { source, ground, features: NoFeatures::default() })
+}
+
+fn shadow(drawing: &ShadowDrawing, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
+    let source = whole_numbers(json!({"paths": {"shadow": drawing}}));
+    let ground = made(&source, setting, || {
+        let plan = ShadowPlan::new(drawing).map_err(|error| refused(error, at, checks)).ok()?;
+        let terrain = ShadowTerrain::new(drawing, &plan.heights(&Stop::never()));
+        Some(raised(Heights::Shadow(terrain), &source))
     })?;
     Some(Completed { source, ground, features: NoFeatures::default() })
 }

@@ -4,7 +4,7 @@ use super::detail::Detail;
 use crate::{
     geometry::{Raster, Rectangle, Stop, Window},
     layout::{ContentHash, FieldKind, FieldSurface, Layout, LayoutSurface, Scatter, Selection, geojson::FeatureSet},
-    paths::Endless,
+    paths::{Endless, ShadowTerrain},
     world::revision::Revision,
 };
 use std::sync::Arc;
@@ -33,19 +33,21 @@ pub(super) struct Raised {
     pub form: String,
 }
 
-/// Metres above what is beneath.
+/// Metres above what is beneath, or, of shadow pictures, in its place.
 #[derive(Debug)]
 pub(super) enum Heights {
     Finite(Arc<Raster>),
     Endless(Box<Endless>),
+    Shadow(ShadowTerrain),
 }
 
 impl Raised {
-    /// Adds the heights over a window. Stopped, they are not whole.
-    fn add(&self, window: &Window, stop: &Stop, out: &mut [f32]) {
+    /// Lays the heights over elevations. Stopped, they are not whole.
+    fn lay(&self, window: &Window, stop: &Stop, out: &mut [f32]) {
         match &self.heights {
             Heights::Finite(raster) => raster.add(window, stop, out),
             Heights::Endless(endless) => endless.add(window, stop, out),
+            Heights::Shadow(terrain) => terrain.lay(window, stop, out),
         }
     }
 
@@ -53,6 +55,7 @@ impl Raised {
         match &self.heights {
             Heights::Finite(raster) => raster.cost_ns(window),
             Heights::Endless(endless) => endless.cost_ns(window),
+            Heights::Shadow(terrain) => terrain.cost_ns(window),
         }
     }
 
@@ -60,6 +63,7 @@ impl Raised {
         match &self.heights {
             Heights::Finite(raster) => raster.bounds().meets(area),
             Heights::Endless(_) => true,
+            Heights::Shadow(terrain) => terrain.bounds().meets(area),
         }
     }
 }
@@ -140,13 +144,13 @@ impl Ground {
                 let mut elevation = base.to_vec();
                 if let Some(detail) = detail {
                     let mut heights = vec![0.0; elevation.len()];
-                    raised.add(window, stop, &mut heights);
+                    raised.lay(window, stop, &mut heights);
                     for (elevation, height) in elevation.iter_mut().zip(&heights) {
                         *elevation += height;
                     }
                     detail.add(window, &heights, stop, &mut elevation);
                 } else {
-                    raised.add(window, stop, &mut elevation);
+                    raised.lay(window, stop, &mut elevation);
                 }
                 let samples = window.samples();
                 let of = |wanted: bool| if wanted { vec![0.0; samples] } else { Vec::new() };

@@ -127,9 +127,12 @@ pub(super) fn complete(mut written: WrittenSource, at: &str, setting: &Setting, 
         }
         let detail = detail.complete(&at, checks)?;
         let completed = completed.as_mut()?;
-        let Ground::Raised(_, own) = &mut completed.ground else {
-            checks.add(&at, "has no meaning beside a layout");
-            return None;
+        let own = match &mut completed.ground {
+            Ground::Raised(raised, own) if !matches!(raised.heights, Heights::Shadow(_)) => own,
+            _ => {
+                checks.add(&at, "has no meaning beside a layout or a shadow");
+                return None;
+            }
         };
         completed.source.as_object_mut()?.insert("detail".to_owned(), whole_numbers(json!(detail)));
         *own = Some(Arc::new(Detail::new(detail, setting.seed)));
