@@ -87,8 +87,10 @@ fn shown(name: &str, drawing: &ShadowDrawing) -> f64 {
     let top = heights.metres.iter().copied().fold(f32::MIN, f32::max);
     assert!(high - low >= 0.1 * (top - low), "{name}: relief {} under {top} m", high - low);
     let seen = marched(&heights, drawing.spacing, f64::from(light.azimuth), light.altitude());
-    let share = overlap(&plan.wanted(), &seen);
-    share
+    // What the program itself casts is the same as far as nodes see each other.
+    let own = overlap(&plan.wanted(), &cast(&heights, drawing.spacing, &light));
+    assert!(own >= 0.9, "{name}: from node to node {own}");
+    overlap(&plan.wanted(), &seen)
 }
 
 #[test]
