@@ -262,14 +262,20 @@ impl Endless {
         chunk
     }
 
-    /// The nodes of a lattice that interpolation between `from` and `to` (metres) touches, out of chunks, halved so many times.
-    fn nodes(&self, level: usize, halvings: usize, from: [f64; 2], to: [f64; 2], stop: &Stop) -> RasterLevel {
+    /// Which nodes of a lattice interpolation between `from` and `to` (metres) touches after so many halvings.
+    fn touched(&self, level: usize, halvings: usize, from: [f64; 2], to: [f64; 2]) -> Frame {
         let step = self.meshes[level].spacing;
         let margin = 3 << halvings;
         let node = |c: f64| (c / step).floor() as i64;
         let (first, last) = (from.map(|c| node(c) - margin), to.map(|c| node(c) + margin + 1));
-        let frame =
-            Frame { first: Node { row: first[1], column: first[0] }, columns: (last[0] - first[0] + 1) as usize, rows: (last[1] - first[1] + 1) as usize };
+        Frame { first: Node { row: first[1], column: first[0] }, columns: (last[0] - first[0] + 1) as usize, rows: (last[1] - first[1] + 1) as usize }
+    }
+
+    /// The nodes of a lattice that interpolation between `from` and `to` (metres) touches, out of chunks, halved so many times.
+    fn nodes(&self, level: usize, halvings: usize, from: [f64; 2], to: [f64; 2], stop: &Stop) -> RasterLevel {
+        let frame = self.touched(level, halvings, from, to);
+        let first = [frame.first.column, frame.first.row];
+        let last = [first[0] + frame.columns as i64 - 1, first[1] + frame.rows as i64 - 1];
         let mut values = vec![0.0; frame.columns * frame.rows];
         let chunk = CHUNK as i64;
         for j in first[1].div_euclid(chunk)..=last[1].div_euclid(chunk) {

@@ -143,6 +143,27 @@ fn a_parent_looks_like_its_children() {
     }
 }
 
+/// Whole chunks are counted, on both lattices that a spacing fades between.
+#[test]
+fn no_tile_touches_more_than_four_million_nodes() {
+    let endless = endless();
+    for z in 0..=24 {
+        let spacing = 156_543.033_928_040_97 / f64::from(1 << z);
+        let (steps, share, constant) = endless.detail(spacing, Filter::Band);
+        if constant >= 1.0 {
+            continue;
+        }
+        let of = |step: &usize| {
+            let level = endless.level(*step);
+            let frame = endless.touched(level, step - level, [0.0, 0.0], [256.0 * spacing; 2]);
+            let chunks = |first: i64, count: usize| (first + count as i64 - 1).div_euclid(CHUNK as i64) - first.div_euclid(CHUNK as i64) + 1;
+            (chunks(frame.first.column, frame.columns) * chunks(frame.first.row, frame.rows)) as usize * CHUNK * CHUNK
+        };
+        let nodes: usize = steps[..if share > 0.0 { 2 } else { 1 }].iter().map(of).sum();
+        assert!(nodes <= 4_000_000, "level {z}: {nodes} nodes");
+    }
+}
+
 #[test]
 fn the_far_plane_is_as_the_near() {
     let endless = endless();
