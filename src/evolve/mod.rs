@@ -1,0 +1,18 @@
+//! Terrain that is bred: programmes by a designer's choice or by what is wanted of them.
+
+mod breeding;
+mod budget;
+mod genome;
+mod operators;
+mod portrait;
+mod record;
+#[cfg(test)]
+mod tests;
+mod vocabulary;
+
+pub use breeding::{Bred, FIRST_DEPTH, ONE_PARENT_MUTATION, Origin, POPULATION, Session, TWO_PARENTS_CROSSOVER};
+pub use budget::Budget;
+pub use genome::{Gene, Genome};
+pub use operators::{Mutation, cross, mutate};
+pub use portrait::{Extent, Portrait, VIEW_SIDE};
+pub use record::{Choice, Kept, MAX_CHOICES, MAX_KEPT, MAX_SEED, RECORD_FORM, Record, RecordError};

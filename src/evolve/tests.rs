@@ -1,0 +1,3 @@
+//! Promises of what is bred.
+
+mod breeding;
