@@ -1,7 +1,9 @@
 //! Terrain that is bred: programmes by a designer's choice or by what is wanted of them.
 
+mod aim;
 mod breeding;
 mod budget;
+mod fitness;
 mod genome;
 mod operators;
 mod portrait;
@@ -10,8 +12,10 @@ mod record;
 mod tests;
 mod vocabulary;
 
+pub use aim::{Aim, Judgement};
 pub use breeding::{Bred, FIRST_DEPTH, ONE_PARENT_MUTATION, Origin, POPULATION, Session, TWO_PARENTS_CROSSOVER};
 pub use budget::Budget;
+pub use fitness::Wanted;
 pub use genome::{Gene, Genome};
 pub use operators::{Mutation, cross, mutate};
 pub use portrait::{Extent, Portrait, VIEW_SIDE};

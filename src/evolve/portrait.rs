@@ -91,15 +91,19 @@ const SLOPES: [f64; 2] = [1.6, 16.0];
 /// Samples among which neighbours are of one value, as on treads and in plains, are at most this share.
 const MOST_FLAT: f64 = 0.6;
 
-fn is_worth_seeing(surface: &Surface, spacing: f64) -> bool {
+/// The values that the bulk of a surface's samples lies between; `None` if that is nowhere: f32 hardly tells them apart.
+pub(super) fn bulk(surface: &Surface) -> Option<[f32; 2]> {
     let mut sorted = surface.elevation.clone();
     sorted.sort_unstable_by(f32::total_cmp);
     let cut = (sorted.len() as f64 * BULK) as usize;
-    let (low, high) = (sorted[cut], sorted[sorted.len() - 1 - cut]);
-    let (bulk, whole) = (high - low, sorted[sorted.len() - 1] - sorted[0]);
-    // Values of f32 have to tell samples apart.
-    let is_flat = bulk <= 1e-4 * low.abs().max(high.abs()) || bulk < whole * LEAST_BULK;
-    if surface.non_finite > 0 || is_flat {
+    let (low, high) = (*sorted.get(cut)?, *sorted.get(sorted.len() - 1 - cut)?);
+    (high - low > 1e-4 * low.abs().max(high.abs())).then_some([low, high])
+}
+
+fn is_worth_seeing(surface: &Surface, spacing: f64) -> bool {
+    let (Some([low, high]), Some((least, greatest))) = (bulk(surface), surface.range()) else { return false };
+    let bulk = high - low;
+    if surface.non_finite > 0 || bulk < (greatest - least) * LEAST_BULK {
         return false;
     }
     let (mut slopes, mut flat, mut count) = (0.0, 0.0, 0.0);

@@ -10,12 +10,12 @@ pub trait Criterion<S: ?Sized> {
 
 /// A criterion and how much it counts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Term<C> {
     /// At least 0.
     #[serde(default = "one")]
     pub weight: f64,
     /// What is judged.
-    #[serde(flatten)]
     pub criterion: C,
 }
 
