@@ -1,5 +1,6 @@
-//! Terrain that is bred: programmes by a designer's choice or by what is wanted of them.
+//! Terrain that is bred: [programmes by a designer's choice](Session) or [by what is wanted of them](Aim), and [ground that evolves while it is used](Adaptive).
 
+mod adaptive;
 mod aim;
 mod breeding;
 mod budget;
@@ -12,6 +13,7 @@ mod record;
 mod tests;
 mod vocabulary;
 
+pub use adaptive::{Adaptive, AdaptiveTerrain, Feedback, Ground, HISTORY_FORM, History, MAX_HISTORY, MAX_LATTICE, MAX_POSITIONS, Players, Step};
 pub use aim::{Aim, Judgement};
 pub use breeding::{Bred, FIRST_DEPTH, ONE_PARENT_MUTATION, Origin, POPULATION, Session, TWO_PARENTS_CROSSOVER};
 pub use budget::Budget;
