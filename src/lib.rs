@@ -24,9 +24,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Modules may use only those listed before them: [`geometry`], [`noise`], [`analysis`], [`programme`], [`layout`], [`paths`], [`world`], [`tile`], [`query`], `store`, `jobs`, `server`.
+//! Modules may use only those listed before them: [`geometry`], [`noise`], [`genetic`], [`analysis`], [`programme`], [`layout`], [`paths`], [`evolve`], [`world`], [`tile`], [`query`], `store`, `jobs`, `server`.
 
 pub mod analysis;
+pub mod evolve;
+pub mod genetic;
 pub mod geometry;
 #[cfg(feature = "server")]
 pub mod jobs;

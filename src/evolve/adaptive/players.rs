@@ -1,0 +1,153 @@
+//! Who is on the ground, and where nothing may change for it.
+
+use super::settings::{Ground, MAX_POSITIONS};
+use crate::{
+    evolve::record::RecordError,
+    geometry::{PLANE_LIMIT, Rectangle},
+};
+use std::collections::BTreeMap;
+
+/// Players with the ways they went since the last generation.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Players {
+    ways: BTreeMap<String, Vec<[f64; 2]>>,
+}
+
+impl Players {
+    /// Somebody arrives, or goes on in a straight line to a point in plane metres.
+    ///
+    /// # Errors
+    /// If the point is not in the plane, or there are as many positions since the last generation as a feedback may hold.
+    pub fn go(&mut self, player: &str, to: [f64; 2]) -> Result<(), RecordError> {
+        if to.iter().any(|c| c.is_nan() || c.abs() > PLANE_LIMIT) {
+            return Err(RecordError::new("/position", format!("must be plane metres within 2^40 of the origin, got {to:?}")));
+        }
+        if self.ways.values().map(Vec::len).sum::<usize>() >= MAX_POSITIONS {
+            return Err(RecordError::new("/position", format!("more than {MAX_POSITIONS} positions since the last generation: breed one first")));
+        }
+        let way = self.ways.entry(player.to_owned()).or_default();
+        if way.last() != Some(&to) {
+            way.push(to);
+        }
+        Ok(())
+    }
+
+    /// Somebody leaves: nothing is promised to whoever is not there. Whether there was such a player.
+    pub fn leave(&mut self, player: &str) -> bool {
+        self.ways.remove(player).is_some()
+    }
+
+    /// The ways of all players, each ending where one is: for [`Feedback::ways`](super::Feedback::ways).
+    #[must_use]
+    pub fn ways(&self) -> Vec<Vec<[f64; 2]>> {
+        self.ways.values().cloned().collect()
+    }
+
+    /// A generation was bred with these ways: from now on only where players are counts, and where they go.
+    pub fn rest(&mut self) {
+        for way in self.ways.values_mut() {
+            way.drain(..way.len() - 1);
+        }
+    }
+
+    /// A player who is within so many metres of a rectangle.
+    #[must_use]
+    pub fn within(&self, area: &Rectangle, distance: f64) -> Option<&str> {
+        let grown = area.grown(distance);
+        self.ways.iter().find(|(_, way)| way.last().is_some_and(|&position| grown.holds(position))).map(|(name, _)| name.as_str())
+    }
+}
+
+/// Cells around a node that samples see it in.
+const SEEN: f64 = 2.0;
+
+/// How far terrain goes on beyond the nodes of its border, in metres: farther than anything in the plane.
+const BEYOND: f64 = 1e13;
+
+/// How much of a new height each node takes, row by row from the south: nothing in the frozen zone around ways, which is the promise and two cells more, and more and
+/// more beyond it. Samples see nodes in squares, so the two cells are those of a square; and nodes of the border are seen from all that lies beyond it.
+pub(super) fn thaw(ground: &Ground, ways: &[Vec<[f64; 2]>], weights: &mut [f32]) {
+    let size = ground.size();
+    let (seen, fade) = (SEEN * ground.cell, ground.fade as f64 * ground.cell);
+    let far = ground.promise + seen + fade;
+    for [from, to] in ways.iter().flat_map(|way| parts(way)) {
+        let nodes = |axis: usize| {
+            let node = |c: f64| ((c - ground.origin[axis]) / ground.cell).clamp(0.0, (size[axis] - 1) as f64);
+            node(from[axis].min(to[axis]) - far).floor() as usize..=node(from[axis].max(to[axis]) + far).ceil() as usize
+        };
+        for row in nodes(1) {
+            for column in nodes(0) {
+                let beyond = to_box(from, to, &seen_from(ground, [column, row], seen)) - ground.promise;
+                let weight = &mut weights[row * size[0] + column];
+                // A whisker more than the promise: distances are rounded.
+                if beyond <= 1e-6 * ground.cell {
+                    *weight = 0.0;
+                } else if beyond < fade {
+                    *weight = weight.min(smooth(beyond / fade));
+                }
+            }
+        }
+    }
+}
+
+/// Where samples see a node from.
+fn seen_from(ground: &Ground, node: [usize; 2], seen: f64) -> Rectangle {
+    let size = ground.size();
+    let place = |axis: usize| ground.origin[axis] + node[axis] as f64 * ground.cell;
+    let min = [0, 1].map(|axis| if node[axis] == 0 { -BEYOND } else { place(axis) - seen });
+    let max = [0, 1].map(|axis| if node[axis] + 1 == size[axis] { BEYOND } else { place(axis) + seen });
+    Rectangle { min, max }
+}
+
+/// The straight parts of a way; one without length where it does not move.
+fn parts(way: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> + '_ {
+    let alone = (way.len() == 1).then(|| [way[0], way[0]]);
+    way.windows(2).map(|pair| [pair[0], pair[1]]).chain(alone)
+}
+
+/// From 0 to 1, t in between.
+pub(super) fn smooth(t: f64) -> f32 {
+    let t = t.clamp(0.0, 1.0);
+    (t * t * (3.0 - 2.0 * t)) as f32
+}
+
+/// The distance between a straight way and a rectangle.
+fn to_box(from: [f64; 2], to: [f64; 2], area: &Rectangle) -> f64 {
+    if enters(from, to, area) {
+        return 0.0;
+    }
+    // Else a corner of the rectangle or an end of the way is nearest.
+    let corners = area.corners().map(|corner| to_way(from, to, corner));
+    let outside = |c: f64, axis: usize| (area.min[axis] - c).max(c - area.max[axis]).max(0.0);
+    let ends = [from, to].map(|[x, y]| length([outside(x, 0), outside(y, 1)]));
+    corners.into_iter().chain(ends).fold(f64::INFINITY, f64::min)
+}
+
+fn length([x, y]: [f64; 2]) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
+fn to_way(from: [f64; 2], to: [f64; 2], point: [f64; 2]) -> f64 {
+    let way = [to[0] - from[0], to[1] - from[1]];
+    let square = way[0] * way[0] + way[1] * way[1];
+    let along = (point[0] - from[0]) * way[0] + (point[1] - from[1]) * way[1];
+    let t = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
+    length([point[0] - from[0] - t * way[0], point[1] - from[1] - t * way[1]])
+}
+
+/// Whether a way has a point in a rectangle (Liang and Barsky 1984).
+fn enters(from: [f64; 2], to: [f64; 2], area: &Rectangle) -> bool {
+    let (mut first, mut last) = (0.0_f64, 1.0_f64);
+    for axis in 0..2 {
+        let step = to[axis] - from[axis];
+        if step == 0.0 {
+            if from[axis] < area.min[axis] || from[axis] > area.max[axis] {
+                return false;
+            }
+            continue;
+        }
+        let [a, b] = [(area.min[axis] - from[axis]) / step, (area.max[axis] - from[axis]) / step];
+        (first, last) = (first.max(a.min(b)), last.min(a.max(b)));
+    }
+    first <= last
+}

@@ -1,0 +1,4 @@
+//! Promises of what is bred.
+
+mod breeding;
+mod fitness;
