@@ -101,14 +101,16 @@ fn sunlit(heights: &Heights, shaded: &[bool], spacing: f64, light: &Light) -> Rg
     const SHADOW: [f64; 3] = [0.3, 0.34, 0.46];
     let (columns, rows) = (heights.columns, heights.rows);
     let at = |column: usize, row: usize| f64::from(heights.metres[row.min(rows - 1) * columns + column.min(columns - 1)]);
-    let [low, high] = heights.metres.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], height| [low.min(*height), high.max(*height)]).map(f64::from);
+    let [low, high] =
+        heights.metres.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], height| [low.min(*height), high.max(*height)]).map(f64::from);
     let [east, north] = light.direction();
     let altitude = light.altitude().to_radians();
     RgbImage::from_fn(columns as u32, rows as u32, |x, y| {
         let (x, y) = (x as usize, y as usize);
         let rise_east = (at(x + 1, y) - at(x.saturating_sub(1), y)) / (2.0 * spacing);
         let rise_north = (at(x, y.saturating_sub(1)) - at(x, y + 1)) / (2.0 * spacing);
-        let facing = (altitude.sin() + (rise_east * east + rise_north * north) * altitude.cos()) / (1.0 + rise_east * rise_east + rise_north * rise_north).sqrt();
+        let facing =
+            (altitude.sin() + (rise_east * east + rise_north * north) * altitude.cos()) / (1.0 + rise_east * rise_east + rise_north * rise_north).sqrt();
         // Level ground is as bright under a low sun as under a high one.
         let bright = if shaded[y * columns + x] { SHADOW } else { [(0.45 + 0.4 * facing / altitude.sin()).clamp(0.5_f64, 1.08); 3] };
         let share = ((at(x, y) - low) / (high - low).max(f64::MIN_POSITIVE)).sqrt();

@@ -26,6 +26,8 @@ pub(super) struct Queue {
     heads: Vec<u32>,
     filled: Vec<u64>,
     entries: Vec<Entry>,
+    /// The first of the entries that are free again: few are in use at a time, and these stay in caches.
+    free: u32,
     per_cost: f64,
     current: usize,
     heap: BinaryHeap<Reverse<(u32, u32)>>,
@@ -46,6 +48,7 @@ impl Queue {
         }
         debug_assert!(self.filled.iter().all(|word| *word == 0), "a search empties its queue");
         self.entries.clear();
+        self.free = NONE;
         self.heap.clear();
         self.current = 0;
         fine
@@ -60,24 +63,34 @@ impl Queue {
             self.heap.push(Reverse((cost.to_bits(), slot)));
             return;
         }
-        let next = core::mem::replace(&mut self.heads[bucket], self.entries.len() as u32);
+        let head = &mut self.heads[bucket];
+        let entry = Entry { slot, next: *head };
         self.filled[bucket / 64] |= 1 << (bucket % 64);
-        self.entries.push(Entry { slot, next });
+        if let Some(free) = self.entries.get_mut(self.free as usize) {
+            *head = core::mem::replace(&mut self.free, free.next);
+            *free = entry;
+        } else {
+            *head = self.entries.len() as u32;
+            self.entries.push(entry);
+        }
     }
 
-    /// Takes the next slot. A slot that got better labels since comes again, after it came with the best. `cost` tells a slot's present one.
+    /// Takes all slots of the next bucket, where order within one does not matter; false if there is none. A slot that got better labels since comes again, after it came with the best.
     #[inline]
-    pub(super) fn pop<const FINE: bool>(&mut self, cost: impl Fn(u32) -> f32) -> Option<u32> {
-        if !FINE {
-            return self.pop_sorted(cost);
+    pub(super) fn take(&mut self, slots: &mut Vec<u32>) -> bool {
+        slots.clear();
+        let Some((word, bucket)) = self.first() else { return false };
+        self.filled[word] &= self.filled[word] - 1;
+        let first = core::mem::replace(&mut self.heads[bucket], NONE);
+        let mut at = first;
+        while let Some(entry) = self.entries.get_mut(at as usize) {
+            slots.push(entry.slot);
+            at = entry.next;
+            if at == NONE {
+                entry.next = core::mem::replace(&mut self.free, first);
+            }
         }
-        let (word, bucket) = self.first()?;
-        let Entry { slot, next } = self.entries[self.heads[bucket] as usize];
-        self.heads[bucket] = next;
-        if next == NONE {
-            self.filled[word] &= self.filled[word] - 1;
-        }
-        Some(slot)
+        true
     }
 
     /// The first filled bucket, and the word that says so.
@@ -91,7 +104,8 @@ impl Queue {
         Some((word, self.current))
     }
 
-    fn pop_sorted(&mut self, cost: impl Fn(u32) -> f32) -> Option<u32> {
+    /// Takes the next slot where buckets are sorted: `cost` tells a slot's present one.
+    pub(super) fn pop(&mut self, cost: impl Fn(u32) -> f32) -> Option<u32> {
         if self.heap.is_empty() {
             let (word, bucket) = self.first()?;
             self.filled[word] &= self.filled[word] - 1;

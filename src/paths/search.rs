@@ -72,6 +72,8 @@ pub struct Search {
     limits: Vec<f32>,
     step: f32,
     queue: Queue,
+    /// Slots of the bucket that is worked on.
+    bucket: Vec<u32>,
     settled: Vec<Label>,
 }
 
@@ -92,12 +94,12 @@ impl Search {
     pub fn new(terrain: &Terrain, limits: Vec<f32>) -> Self {
         let slots: Vec<Slot> =
             limits.iter().zip(&terrain.weights.values).map(|(limit, weights)| Slot { label: limit_label(*limit), weights: *weights }).collect();
-        Self { slots, limits, step: terrain.least_step(), queue: Queue::default(), settled: Vec::new() }
+        Self { slots, limits, step: terrain.least_step(), queue: Queue::default(), bucket: Vec::new(), settled: Vec::new() }
     }
 
     /// Without room for any slot.
     pub(super) fn empty(step: f32) -> Self {
-        Self { slots: Vec::new(), limits: Vec::new(), step, queue: Queue::default(), settled: Vec::new() }
+        Self { slots: Vec::new(), limits: Vec::new(), step, queue: Queue::default(), bucket: Vec::new(), settled: Vec::new() }
     }
 
     /// Makes it ready for a window of a terrain whose south-western slot, of the border around it, is number `origin` of the terrain's. No label may leave the window.
@@ -135,31 +137,58 @@ impl Search {
         for (number, generator) in generators.iter().enumerate() {
             self.offer::<FINE>(generator.slot as usize, u64::from(generator.crest.cost.to_bits()) << 32 | OPEN | number as u64);
         }
-        let (frame, rule) = (&terrain.weights.frame, &terrain.weights.rule);
-        let (stride, offsets) = (frame.stride(), frame.offsets());
-        while let Some(slot) = self.queue.pop::<FINE>(|slot| f32::from_bits((self.slots[slot as usize].label >> 32) as u32)) {
-            let at = slot as usize;
-            let label = self.slots[at].label;
-            if label & OPEN == 0 {
-                continue;
+        if FINE {
+            let mut bucket = core::mem::take(&mut self.bucket);
+            while self.queue.take(&mut bucket) {
+                for (i, slot) in bucket.iter().enumerate() {
+                    if let Some(next) = bucket.get(i + 1) {
+                        self.touch(*next as usize, terrain.weights.frame.stride());
+                    }
+                    self.lead_on::<FINE>(terrain, generators, *slot);
+                }
             }
-            self.slots[at].label = label ^ OPEN;
-            let [south, here, north] = [at - stride, at, at + stride].map(|middle| three(&self.slots, middle));
-            let cost = f32::from_bits((label >> 32) as u32);
-            let generator = &generators[(label & (OPEN - 1)) as usize];
-            let weights = rule.weights([south[0].weights, south[1].weights, south[2].weights, here[0].weights, here[1].weights]);
-            let costs = terrain.profile(at, generator).after(cost, &generator.crest, &weights);
-            let labels = costs.map(|cost| u64::from(cost.to_bits()) << 32 | label & 0xffff_ffff);
-            let present = [south[0].label, south[1].label, south[2].label, here[0].label, here[2].label, north[0].label, north[1].label, north[2].label];
-            let mut better = (0..8).fold(0_u32, |better, k| better | u32::from(labels[k] < present[k]) << k);
-            self.settled.push(Label { slot, cost });
-            while better != 0 {
-                let k = better.trailing_zeros() as usize;
-                better &= better - 1;
-                let to = at.wrapping_add_signed(offsets[k]);
-                self.slots[to].label = labels[k];
-                self.queue.push::<FINE>(costs[k], to as u32);
+            self.bucket = bucket;
+        } else {
+            while let Some(slot) = self.queue.pop(|slot| f32::from_bits((self.slots[slot as usize].label >> 32) as u32)) {
+                self.lead_on::<FINE>(terrain, generators, slot);
             }
+        }
+    }
+
+    /// Has what a slot's steps need brought near while the one before it is worked on.
+    #[inline(always)]
+    fn touch(&self, at: usize, stride: usize) {
+        for slot in [at - stride, at, at + stride] {
+            core::hint::black_box(self.slots[slot].label);
+        }
+    }
+
+    /// Settles a slot, unless it is, and labels those around it that this betters.
+    #[inline(always)]
+    fn lead_on<const FINE: bool>(&mut self, terrain: &Terrain, generators: &[Generator], slot: u32) {
+        let rule = &terrain.weights.rule;
+        let (stride, offsets) = (terrain.weights.frame.stride(), terrain.weights.frame.offsets());
+        let at = slot as usize;
+        let label = self.slots[at].label;
+        if label & OPEN == 0 {
+            return;
+        }
+        self.slots[at].label = label ^ OPEN;
+        let [south, here, north] = [at - stride, at, at + stride].map(|middle| three(&self.slots, middle));
+        let cost = f32::from_bits((label >> 32) as u32);
+        let generator = &generators[(label & (OPEN - 1)) as usize];
+        let weights = rule.weights([south[0].weights, south[1].weights, south[2].weights, here[0].weights, here[1].weights]);
+        let costs = terrain.profile(at, generator).after(cost, &generator.crest, &weights);
+        let labels = costs.map(|cost| u64::from(cost.to_bits()) << 32 | label & 0xffff_ffff);
+        let present = [south[0].label, south[1].label, south[2].label, here[0].label, here[2].label, north[0].label, north[1].label, north[2].label];
+        let mut better = (0..8).fold(0_u32, |better, k| better | u32::from(labels[k] < present[k]) << k);
+        self.settled.push(Label { slot, cost });
+        while better != 0 {
+            let k = better.trailing_zeros() as usize;
+            better &= better - 1;
+            let to = at.wrapping_add_signed(offsets[k]);
+            self.slots[to].label = labels[k];
+            self.queue.push::<FINE>(costs[k], to as u32);
         }
     }
 

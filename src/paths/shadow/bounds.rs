@@ -132,7 +132,13 @@ impl Bounds {
                 if a == f64::NEG_INFINITY && b == f64::NEG_INFINITY {
                     break;
                 }
-                let height = if share == 0.0 { a } else if b == f64::NEG_INFINITY || a == f64::NEG_INFINITY { a.max(b) } else { a + (b - a) * share };
+                let height = if share == 0.0 {
+                    a
+                } else if b == f64::NEG_INFINITY || a == f64::NEG_INFINITY {
+                    a.max(b)
+                } else {
+                    a + (b - a) * share
+                };
                 horizon = horizon.max(height - (step + 1) as f64 * fall);
             }
             let lit = horizon + CLEAR * fall;

@@ -309,7 +309,8 @@ fn what_cannot_be_is_refused_with_its_place() {
     let refused = |change: &dyn Fn(&mut serde_json::Value), pointer: &str| {
         let mut json = written(&rows);
         change(&mut json);
-        let error = ShadowDrawing::parse(json.to_string().as_bytes()).and_then(|drawing| ShadowPlan::new(&drawing)).map(|plan| plan.light()).expect_err(pointer);
+        let error =
+            ShadowDrawing::parse(json.to_string().as_bytes()).and_then(|drawing| ShadowPlan::new(&drawing)).map(|plan| plan.light()).expect_err(pointer);
         assert_eq!(error.pointer, pointer, "{error}");
         assert!(!error.detail.is_empty());
     };
