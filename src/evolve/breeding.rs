@@ -117,6 +117,24 @@ impl Session {
         Ok(session)
     }
 
+    /// The session of a record that begins as this one's does: only what differs is bred.
+    ///
+    /// # Errors
+    /// As [`Session::replay`].
+    pub fn resume(&self, record: Record) -> Result<Self, RecordError> {
+        let Record { seed, budget, programmes, choices, .. } = &self.record;
+        if (seed, budget, programmes) != (&record.seed, &record.budget, &record.programmes) {
+            return Self::replay(record);
+        }
+        record.check()?;
+        let shared = choices.iter().zip(&record.choices).take_while(|(own, other)| own == other).count();
+        let mut session = Self { generations: self.generations[..=shared].to_vec(), record };
+        for number in shared..session.record.choices.len() {
+            session.generations.push(session.bred(number));
+        }
+        Ok(session)
+    }
+
     /// What the session follows from: to keep it and to share it.
     #[must_use]
     pub fn record(&self) -> &Record {

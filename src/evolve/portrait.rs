@@ -57,6 +57,12 @@ impl Portrait {
         self.extent
     }
 
+    /// The predicted time to evaluate a window on one thread, in nanoseconds.
+    #[must_use]
+    pub fn cost_ns(&self, window: &Window) -> f64 {
+        self.tape.cost_ns(window.spacing(), window.filter, window.samples()) * window.samples() as f64
+    }
+
     /// The window of the whole square with that many samples a side.
     #[must_use]
     pub fn window(samples: usize) -> Window {
@@ -132,5 +138,6 @@ impl Source for Portrait {
 
 /// The seed of the noises that the individuals of a session are shown with.
 pub(super) fn view_seed(seed: u64) -> u64 {
-    noise::key(seed, 0x7669_6577)
+    // A world can have it: 0 … 2^53 - 1.
+    noise::key(seed, 0x7669_6577) >> 11
 }

@@ -26,7 +26,7 @@ use std::{
 const MAX_AGE: Duration = Duration::from_secs(1);
 
 /// What keys guard; the rest is the viewer, the description of the interface, and the server's health.
-const GUARDED: [&str; 7] = ["/worlds", "/catalog", "/wmts", "/programmes", "/jobs", "/rasters", "/metrics"];
+const GUARDED: [&str; 8] = ["/worlds", "/catalog", "/wmts", "/programmes", "/breeding", "/jobs", "/rasters", "/metrics"];
 
 /// The keys of a server, which `terrane key` changes beside it.
 pub(super) struct Keys {
@@ -149,7 +149,7 @@ pub(super) fn needed(method: &Method, path: &str, reads: Reads) -> Option<Scope>
         Method::OPTIONS => None,
         Method::GET | Method::HEAD => (reads == Reads::Keys && is_guarded(path)).then_some(if path == "/metrics" { Scope::Admin } else { Scope::Read }),
         // Questions that are too long for an address.
-        Method::POST if path.starts_with("/worlds/") && path.ends_with("/elevation") => (reads == Reads::Keys).then_some(Scope::Read),
+        Method::POST if path.starts_with("/worlds/") && (path.ends_with("/elevation") || path.ends_with("/accessibility")) => (reads == Reads::Keys).then_some(Scope::Read),
         _ => Some(Scope::Write),
     }
 }

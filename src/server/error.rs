@@ -112,6 +112,7 @@ impl ApiError {
                 let invalid = match kind {
                     Kind::World => "invalid-world",
                     Kind::Programme => "invalid-programme",
+                    Kind::Session => "invalid-session",
                 };
                 (StatusCode::UNPROCESSABLE_ENTITY, invalid, detail, errors)
             }

@@ -91,6 +91,25 @@ impl FromRequestParts<App> for Hash {
     }
 }
 
+/// Which generation of a session, and which individual of it, if the path says so.
+pub(super) struct IndividualAt {
+    pub generation: usize,
+    pub individual: usize,
+}
+
+impl FromRequestParts<App> for IndividualAt {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
+        let parameters = Parameters::of(parts).await?;
+        let number = |name: &str| match parameters.get(name) {
+            "" => Ok(0),
+            text => text.parse().map_err(|_not_whole| ApiError::absent(name, format!("must be a whole number from 0 on, got {text:?}"))),
+        };
+        Ok(Self { generation: number("generation")?, individual: number("individual")? })
+    }
+}
+
 /// What to say of a name that nothing has.
 fn unknown<T: Shelved>(shelf: &Shelf<T>, name: &str) -> ApiError {
     let noun = T::KIND.noun();

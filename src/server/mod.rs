@@ -2,6 +2,7 @@
 
 mod access;
 mod address;
+mod breeding;
 mod budget;
 mod compute;
 mod config;

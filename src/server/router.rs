@@ -4,7 +4,7 @@ use super::{
     access::{guard, needed},
     config::Reads,
     error::ApiError,
-    handler::{catalog, description, elevation, export, feature, feature_edit, health, job, layer, programme, raster, shader, tile, viewer, world},
+    handler::{accessibility, breeding, catalog, description, elevation, export, feature, feature_edit, health, job, layer, programme, raster, shader, tile, viewer, world},
     observe::observe,
     state::App,
 };
@@ -32,6 +32,7 @@ use utoipa_axum::{router::OpenApiRouter, routes};
         (name = "worlds", description = "World documents and their revisions"),
         (name = "features", description = "The features that worlds keep: rivers, ridges, lakes, as GeoJSON"),
         (name = "programmes", description = "The library of terrain programmes"),
+        (name = "breeding", description = "Terrain programmes bred by a designer's choice"),
         (name = "tiles", description = "Terrain as tiles"),
         (name = "exports", description = "Areas as files"),
         (name = "jobs", description = "Long work, and the rasters that it makes"),
@@ -44,7 +45,7 @@ struct Api;
 
 /// The calls whose questions may be too long for an address, so that pages of other sites may post them too.
 fn questions() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(elevation::get_elevation, elevation::post_elevation))
+    OpenApiRouter::new().routes(routes!(elevation::get_elevation, elevation::post_elevation)).routes(routes!(accessibility::post_accessibility))
 }
 
 fn others() -> OpenApiRouter<App> {
@@ -67,6 +68,10 @@ fn others() -> OpenApiRouter<App> {
         .routes(routes!(programme::get_text))
         .routes(routes!(programme::get_tree))
         .routes(routes!(programme::get_preview))
+        .routes(routes!(breeding::list_sessions, breeding::post_session))
+        .routes(routes!(breeding::get_session, breeding::put_session, breeding::delete_session))
+        .routes(routes!(breeding::get_generation))
+        .routes(routes!(breeding::get_picture))
         .routes(routes!(job::list_jobs, job::post_job))
         .routes(routes!(job::post_preview))
         .routes(routes!(job::get_job, job::delete_job))

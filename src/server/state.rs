@@ -2,6 +2,7 @@
 
 use super::{
     access::Keys,
+    breeding::{self, Breeding},
     budget::Budgets,
     compute::Compute,
     config::{Config, Reads},
@@ -32,6 +33,7 @@ pub struct App(pub(super) Arc<AppState>);
 pub(super) struct AppState {
     pub worlds: Worlds,
     pub library: Shelf<Shown>,
+    pub breeding: Shelf<Breeding>,
     pub tiles: Tiles,
     pub recall: Recall,
     pub metrics: Arc<Metrics>,
@@ -95,6 +97,7 @@ impl App {
         let library = library::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts)).await.map_err(load)?;
         let jobs = Compute::last("job", config.server.threads)?;
         let jobs = Jobs::load(store.clone(), jobs, config.limits.jobs).await.map_err(|error| load(error.into()))?;
+        let breeding = breeding::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts)).await.map_err(load)?;
         let mut tiles = Tiles::new(compute, Arc::clone(&metrics), config.cache.tile_bytes, config.limits.queue_ms);
         if config.cache.disk_bytes > 0 {
             tiles.keep_on_disk(&config.server.data.join("tile-cache"), config.cache.disk_bytes).await?;
@@ -102,6 +105,7 @@ impl App {
         Ok(Self(Arc::new(AppState {
             worlds,
             library,
+            breeding,
             tiles,
             recall: Recall::new(config.cache.tile_bytes),
             metrics,

@@ -1,6 +1,9 @@
 //! What the store keeps by name.
 
-use crate::world::{Document, Preset, Revision};
+use crate::{
+    evolve::Record,
+    world::{Document, Preset, Revision},
+};
 use std::fmt;
 
 /// The kinds of documents; each has names of its own.
@@ -10,6 +13,8 @@ pub enum Kind {
     World,
     /// A programme of the library.
     Programme,
+    /// A session of breeding.
+    Session,
 }
 
 impl Kind {
@@ -19,6 +24,7 @@ impl Kind {
         match self {
             Kind::World => "world",
             Kind::Programme => "programme",
+            Kind::Session => "session",
         }
     }
 }
@@ -49,5 +55,12 @@ impl From<&Document> for Content {
 impl From<&Preset> for Content {
     fn from(preset: &Preset) -> Self {
         Self { kind: Kind::Programme, revision: preset.revision(), body: preset.to_json() }
+    }
+}
+
+impl From<&Record> for Content {
+    fn from(record: &Record) -> Self {
+        // A record has only string keys and finite numbers.
+        Self { kind: Kind::Session, revision: Revision::of(record), body: serde_json::to_string_pretty(record).unwrap_or_default() }
     }
 }

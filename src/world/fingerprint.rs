@@ -15,6 +15,16 @@ impl fmt::Display for Fingerprint {
     }
 }
 
+impl Fingerprint {
+    /// Of what a text says in full.
+    #[must_use]
+    pub fn of(text: &str) -> Self {
+        let mut own = [0; 16];
+        own.copy_from_slice(&Sha256::digest(text)[..16]);
+        Self(own)
+    }
+}
+
 impl From<Fingerprint> for u128 {
     fn from(fingerprint: Fingerprint) -> Self {
         Self::from_le_bytes(fingerprint.0)

@@ -27,7 +27,9 @@ pub struct Problem {
 }
 
 impl Problem {
-    pub(super) fn new(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
+    /// Something wrong at a pointer.
+    #[must_use]
+    pub fn new(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
         Self { pointer: pointer.into(), detail: detail.into(), at: None, start: None, end: None }
     }
 

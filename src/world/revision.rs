@@ -10,7 +10,11 @@ pub struct Revision(String);
 
 impl Revision {
     /// The name of a document's content.
-    pub(super) fn of(document: &impl Serialize) -> Self {
+    ///
+    /// # Panics
+    /// If it has keys that are no strings, or numbers that are not finite.
+    #[must_use]
+    pub fn of(document: &impl Serialize) -> Self {
         let canonical = serde_json_canonicalizer::to_vec(document).expect("a document has only string keys and finite numbers");
         Self(Sha256::digest(canonical).iter().take(16).map(|byte| format!("{byte:02x}")).collect())
     }

@@ -47,6 +47,7 @@ async fn every_described_operation_is_there() {
             break url.rsplit('/').next().unwrap().to_owned();
         }
     };
+    client.put("/breeding/first", r#"{"form":1,"seed":4}"#).await;
     let fill = |template: &str| {
         let filled = [
             ("{world}", "hills"),
@@ -56,6 +57,9 @@ async fn every_described_operation_is_there() {
             ("{id}", "ridge"),
             ("{job}", &job),
             ("{raster}", &raster),
+            ("{session}", "first"),
+            ("{generation}", "0"),
+            ("{individual}", "3"),
             ("{z}", "3"),
             ("{x}", "4"),
             ("{y}", "2.png"),
@@ -86,6 +90,8 @@ async fn every_described_operation_is_there() {
                     features if features.contains("/features") => {
                         r#"{"type":"Feature","id":"ridge","geometry":{"type":"Point","coordinates":[0,0,5]},"properties":{"attributes":[]}}"#
                     }
+                    breeding if breeding.starts_with("/breeding") => r#"{"form":1,"seed":4}"#,
+                    accessibility if accessibility.ends_with("/accessibility") => r#"{"bbox":[0,0,900,600],"spacing":30}"#,
                     jobs if jobs.starts_with("/jobs") => work,
                     elevation if elevation.ends_with("/elevation") => r#"{"points":[[0,0]]}"#,
                     generate if generate.ends_with("/generate") => r#"{"generate":"landmass","radius":1000}"#,

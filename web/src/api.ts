@@ -1,5 +1,6 @@
 import type { StyleSpecification } from 'maplibre-gl';
 import { askKey, authorization } from './key.ts';
+import type { Generation, SessionRecord } from './studio/record.ts';
 
 /** The server's calls that the viewer uses. All addresses are relative: the page may live under a base path. */
 
@@ -130,6 +131,33 @@ export async function createProgramme(name: string, document: JsonObject): Promi
 /** Saves over the revision `etag`. */
 export async function replaceProgramme(name: string, document: JsonObject, etag: string): Promise<void> {
   await request(`programmes/${name}`, send('PUT', document, { 'If-Match': etag }));
+}
+
+export async function sessions(): Promise<{ name: string; generations: number }[]> {
+  const response = await request('breeding', { cache: 'no-cache' });
+  return ((await response.json()) as { sessions: { name: string; generations: number }[] }).sessions;
+}
+
+export async function readSession(name: string): Promise<{ record: SessionRecord; etag: string }> {
+  const { document, etag } = await stored(await request(`breeding/${name}`, { cache: 'no-cache' }));
+  return { record: document as unknown as SessionRecord, etag };
+}
+
+export async function createSession(name: string, record: SessionRecord): Promise<void> {
+  await request(`breeding?name=${encodeURIComponent(name)}`, send('POST', record as unknown as JsonObject));
+}
+
+/** Saves over the revision `etag`; answers that of what is saved. */
+export async function saveSession(name: string, record: SessionRecord, etag: string): Promise<string> {
+  return (await stored(await request(`breeding/${name}`, send('PUT', record as unknown as JsonObject, { 'If-Match': etag })))).etag;
+}
+
+export async function deleteSession(name: string): Promise<void> {
+  await request(`breeding/${name}`, { method: 'DELETE' });
+}
+
+export async function readGeneration(name: string, generation: number): Promise<Generation> {
+  return (await (await request(`breeding/${name}/generations/${generation}`, { cache: 'no-cache' })).json()) as Generation;
 }
 
 /** Long work. */

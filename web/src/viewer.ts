@@ -10,6 +10,7 @@ import { Notice } from './notice.ts';
 import { OverlayControl } from './overlay-control.ts';
 import { Readout } from './readout.ts';
 import { showScale } from './scale.ts';
+import { Studio } from './studio/studio.ts';
 import { ViewControl } from './view-control.ts';
 
 /** What opens beside the map, one at a time. */
@@ -54,6 +55,7 @@ export class Viewer {
   async start(): Promise<void> {
     this.#listen();
     await this.#begin();
+    if (Studio.wasOpen) this.#breed();
   }
 
   /** Reads the catalog and opens what the link says. Comes back here after a failure. */
@@ -271,6 +273,10 @@ export class Viewer {
     return reply?.answer === 'discard';
   }
 
+  #breed(): void {
+    void new Studio({ created: (name) => void this.#showCreated(name) }).show();
+  }
+
   #isOpen(panel: Panel): boolean {
     return !this.#panels[panel].element.hidden;
   }
@@ -306,6 +312,7 @@ export class Viewer {
         if (panel !== 'draw' || !this.#drawing?.key(event)) this.#showPanel(undefined);
       });
     }
+    find('#breed').addEventListener('click', () => this.#breed());
     window.addEventListener('hashchange', () => void this.#followLink());
     window.addEventListener('beforeunload', (event) => {
       if (this.#editor.changed) event.preventDefault();
@@ -330,6 +337,7 @@ export class Viewer {
     if (this.#isOpen('draw') && event.key === 'Escape') return this.#showPanel(undefined);
     const overlay = this.#overlayControl.overlayOf(event.key);
     if (overlay) this.#overlayControl.toggle(overlay);
+    else if (event.key === 'b' || event.key === 'B') this.#breed();
     else if (event.key === 't' || event.key === 'T') this.#control.toggle();
     else if (event.key === 'e' || event.key === 'E' || event.key === 'd' || event.key === 'D') {
       event.preventDefault(); // or the letter would land in the form

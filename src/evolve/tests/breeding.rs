@@ -25,6 +25,22 @@ fn check_valid(genome: &Genome) {
 }
 
 #[test]
+fn a_session_goes_on_from_any_that_begins_as_it_does() {
+    let mut long = Session::new(11, &[]).expect("a session");
+    for parents in [&[3][..], &[0, 5], &[7], &[1, 2]] {
+        long.choose(&Choice::of(parents)).expect("chosen");
+    }
+    let mut branch = long.branch(2).expect("a branch");
+    branch.choose(&Choice::of(&[4])).expect("chosen");
+    branch.keep(1, "kept").expect("kept");
+    for (from, to) in [(&long, &branch), (&branch, &long), (&long, &long)] {
+        assert_eq!(&from.resume(to.record().clone()).expect("resumed"), to);
+    }
+    let other = Session::new(12, &[]).expect("a session");
+    assert_eq!(long.resume(other.record().clone()).expect("replayed"), other);
+}
+
+#[test]
 fn genomes_are_the_trees_of_their_text() {
     for text in [
         "3",

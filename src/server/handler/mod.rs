@@ -1,5 +1,7 @@
 //! The handlers: extract, one call, answer.
 
+pub(super) mod accessibility;
+pub(super) mod breeding;
 pub(super) mod catalog;
 pub(super) mod description;
 mod document;

@@ -1,7 +1,9 @@
 //! The JSON that goes over the wire, as `OpenAPI` describes it.
 
+mod breeding;
 mod job;
 
+pub(super) use breeding::{GenerationSchema, IndividualSchema, SessionEntry, SessionList, SessionSchema};
 pub(super) use job::{JobList, JobPreviewSchema, JobSchema, JobStateName, RasterList, RasterSchema, WorkSchema};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -271,6 +273,41 @@ pub(super) struct ElevationsSchema {
     pub elevation: Vec<f32>,
     /// Depth of the water above it in metres, 0 on land.
     pub water_depth: Vec<f32>,
+}
+
+/// An area whose ways are asked for.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AccessibilityQuestion {
+    /// `[minx, miny, maxx, maxy]` in metres.
+    #[schema(min_items = 4, max_items = 4)]
+    pub bbox: [f64; 4],
+    /// Metres between cells.
+    #[schema(exclusive_minimum = 0)]
+    pub spacing: f64,
+    /// The steepest slope that can be gone, in degrees: above 0, below 90.
+    #[schema(default = 15, exclusive_minimum = 0, exclusive_maximum = 90)]
+    pub slope: Option<f64>,
+}
+
+/// What of an area can be reached.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Accessibility)]
+pub(super) struct AccessibilitySchema {
+    /// Cells from west to east.
+    pub columns: usize,
+    /// Cells from south to north.
+    pub rows: usize,
+    /// The share of cells that are not too steep, 0 … 1.
+    pub accessible: f64,
+    /// The share of cells that lie in the largest connected area of these, 0 … 1.
+    pub largest: f64,
+    /// Connected areas of cells that are not too steep.
+    pub areas: usize,
+    /// Connected areas of cells that are.
+    pub obstacles: usize,
+    /// Length of the sides between the two in metres.
+    pub edge: f64,
 }
 
 /// The ground along a line, in metres.
