@@ -101,7 +101,9 @@ fn connected(cells: &[bool], columns: usize) -> Accessibility {
     }
     let roots: Vec<usize> = (0..cells.len()).map(|i| forest.root(i)).collect();
     let mut sizes = vec![0_usize; cells.len()];
-    roots.iter().for_each(|&root| sizes[root] += 1);
+    for &root in &roots {
+        sizes[root] += 1;
+    }
     let (areas, obstacles): (Vec<usize>, Vec<usize>) = (0..cells.len()).filter(|&i| roots[i] == i).partition(|&root| cells[root]);
     let largest = areas.iter().copied().reduce(|best, root| if sizes[root] > sizes[best] { root } else { best });
     Accessibility {
@@ -178,7 +180,9 @@ mod tests {
         let across: usize = (0..cells.len()).filter(|i| i % columns > 0).map(|i| differ(i, i - 1)).sum();
         let down: usize = (columns..cells.len()).map(|i| differ(i, i - columns)).sum();
         let mut reached = vec![false; cells.len()];
-        largest.iter().for_each(|&cell| reached[cell] = true);
+        for &cell in &largest {
+            reached[cell] = true;
+        }
         Accessibility {
             columns,
             rows,

@@ -272,13 +272,13 @@ fn child(chosen: &[(usize, &Genome)], budget: &Budget, draws: impl Fn(Purpose, u
 
 /// The given programmes, and grown ones in the places that are left.
 fn first(record: &Record) -> Vec<Bred> {
-    let grown = |individual: usize| match record.programmes.get(individual) {
-        Some(genome) => Bred::unchanged(genome.clone(), Origin::Given),
-        None => {
-            let draws = |attempt: u64| Draws::of(record.seed, &[0, 0, individual as u64, Purpose::Initialise as u64, attempt]);
-            let (genome, redrawn) = grown(individual, &record.budget, view_seed(record.seed), draws);
-            Bred { genome, origin: Origin::Grown, redrawn }
+    let grown = |individual: usize| {
+        if let Some(genome) = record.programmes.get(individual) {
+            return Bred::unchanged(genome.clone(), Origin::Given);
         }
+        let draws = |attempt: u64| Draws::of(record.seed, &[0, 0, individual as u64, Purpose::Initialise as u64, attempt]);
+        let (genome, redrawn) = grown(individual, &record.budget, view_seed(record.seed), draws);
+        Bred { genome, origin: Origin::Grown, redrawn }
     };
     (0..POPULATION).into_par_iter().map(grown).collect()
 }

@@ -90,7 +90,7 @@ fn usual(signature: &Signature, parameter: &Parameter) -> [f64; 2] {
         (_, "distortion") => [0.2, 2.0],
         (_, "beta") => [1.8, 2.8],
         (_, "exponent") => [0.5, 6.0],
-        (_, "width") => [0.2, 0.8],
+        (_, "width") | ("erosion", "scale") => [0.2, 0.8],
         (_, "radius") => [0.3, 1.2],
         (_, "centre_x" | "centre_y") => [-1.0, 1.0],
         (_, "repeat") => [2.0, 4.0],
@@ -98,7 +98,6 @@ fn usual(signature: &Signature, parameter: &Parameter) -> [f64; 2] {
         (_, "n") => [2.0, 8.0],
         (_, "sharpness") => [0.3, 0.95],
         (_, "r") => [0.02, 0.3],
-        ("erosion", "scale") => [0.2, 0.8],
         (_, "strength" | "depth") => [0.4, 0.9],
         _ => [parameter.min, parameter.max],
     }

@@ -29,7 +29,7 @@ fn midpoint(ground: &Ground, [a, b]: [f32; 2], place: [u64; 4]) -> f32 {
     let [mean, deviation] = DISPLACEMENT;
     let mut draws = Draws::of(ground.seed, &[0x6d69_6470, place[0], place[1], place[2], place[3]]);
     let (a, b) = (f64::from(a), f64::from(b));
-    let middle = (a + b) / 2.0 + (b - a).abs() * (mean + deviation * draws.normal());
+    let middle = f64::midpoint(a, b) + (b - a).abs() * (mean + deviation * draws.normal());
     middle.clamp(ground.range[0], ground.range[1]) as f32
 }
 

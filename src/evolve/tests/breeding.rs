@@ -1,4 +1,5 @@
 //! Genomes, operators and sessions.
+#![expect(clippy::print_stdout, reason = "what is measured is part of the figures")]
 
 use crate::{
     evolve::{

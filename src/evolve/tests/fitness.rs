@@ -1,4 +1,5 @@
 //! Evolution towards what is wanted.
+#![expect(clippy::print_stdout, reason = "what is measured is part of the figures")]
 
 use crate::{
     analysis::{Accessibility, Statistics, accessibility},
