@@ -24,7 +24,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Modules may use only those listed before them: [`geometry`], [`noise`], [`analysis`], [`programme`], [`layout`], [`paths`], [`world`], [`tile`], [`query`], `store`, `jobs`, `server`.
+//! Modules may use only those listed before them: [`geometry`], [`noise`], [`analysis`], [`programme`], [`layout`], [`paths`], [`synthesis`], [`world`], [`tile`], [`query`], `store`, `jobs`, `server`.
 
 pub mod analysis;
 pub mod geometry;
@@ -39,5 +39,6 @@ pub mod query;
 pub mod server;
 #[cfg(feature = "server")]
 pub mod store;
+pub mod synthesis;
 pub mod tile;
 pub mod world;

@@ -1,0 +1,24 @@
+//! Terrain by example (Saunders, "Terrainosaurus: realistic terrain synthesis using genetic algorithms", 2006): samples of elevations, what they are like, and how much terrain looks like them.
+//!
+//! [`read`] makes a [`Sample`] of a file's bytes, [`Voids`] choose its part without voids.
+//!
+//! ```
+//! use terrane::synthesis::{Hints, read};
+//! let grid = b"ncols 8\nnrows 8\ncellsize 30\n1 2 3 4 5 6 7 8 1 2 3 4 5 6 7 8 1 2 3 4 5 6 7 8 1 2 3 4 5 6 7 8
+//!     1 2 3 4 5 6 7 8 1 2 3 4 5 6 7 8 1 2 3 4 5 6 7 8 1 2 3 4 5 6 7 8";
+//! let sample = read("ramp.asc", grid, &Hints::default())?;
+//! assert_eq!((sample.grid.columns, sample.grid.spacing), (8, [30.0, 30.0]));
+//! let error = read("ramp.asc", &grid[..grid.len() - 2], &Hints::default()).expect_err("a number is missing");
+//! assert_eq!(error.to_string(), "ramp.asc: line 5: 8 × 8 numbers are 64, the file ends after 63");
+//! # Ok::<(), terrane::synthesis::SampleError>(())
+//! ```
+
+mod grid;
+mod read;
+mod sample;
+mod voids;
+
+pub use grid::{Crop, ELEVATIONS, MAX_CELLS, MIN_SIDE, SPACINGS, SampleGrid};
+pub use read::read;
+pub use sample::{Format, Hints, Number, Place, Sample, SampleError, Unit};
+pub use voids::{Voids, largest_rectangle, trimmed};
