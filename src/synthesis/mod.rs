@@ -1,6 +1,7 @@
 //! Terrain by example (Saunders, "Terrainosaurus: realistic terrain synthesis using genetic algorithms", 2006): samples of elevations, what they are like, and how much terrain looks like them.
 //!
-//! [`read`] makes a [`Sample`] of a file's bytes, [`Voids`] choose its part without voids.
+//! [`read`] makes a [`Sample`] of a file's bytes, [`Voids`] choose its part without voids, and an [`Analysis`] finds its distributions at a [`Level`]. A [`Model`] of several types of terrain says how
+//! [similar](Similarity) other terrain is to each, how far that can be trusted, and why. A [`Library`] is the document that names types and samples.
 //!
 //! ```
 //! use terrane::synthesis::{Hints, read};
@@ -13,12 +14,27 @@
 //! # Ok::<(), terrane::synthesis::SampleError>(())
 //! ```
 
+mod analysis;
+mod edges;
+mod gaussian;
 mod grid;
+mod level;
 mod read;
 mod sample;
+mod statistics;
+#[cfg(test)]
+mod tests;
 mod voids;
+mod water;
+mod windows;
 
+pub use analysis::{Analysis, Measure, Profile};
+pub use edges::{Edge, EdgePoint, Linking, link};
 pub use grid::{Crop, ELEVATIONS, MAX_CELLS, MIN_SIDE, SPACINGS, SampleGrid};
+pub use level::{GENE_SIDE, LEAST_GENE_SIDE, Level, gene_side};
 pub use read::read;
 pub use sample::{Format, Hints, Number, Place, Sample, SampleError, Unit};
+pub use statistics::{Histogram, Statistics};
 pub use voids::{Voids, largest_rectangle, trimmed};
+pub use water::{MIN_WATER_CELLS, Water, find_water};
+pub use windows::Windows;
