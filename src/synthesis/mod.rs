@@ -21,6 +21,7 @@ mod grid;
 mod level;
 mod read;
 mod sample;
+mod similarity;
 mod statistics;
 #[cfg(test)]
 mod tests;
@@ -34,6 +35,7 @@ pub use grid::{Crop, ELEVATIONS, MAX_CELLS, MIN_SIDE, SPACINGS, SampleGrid};
 pub use level::{GENE_SIDE, LEAST_GENE_SIDE, Level, gene_side};
 pub use read::read;
 pub use sample::{Format, Hints, Number, Place, Sample, SampleError, Unit};
+pub use similarity::{AGREED, Addition, DIFFERED, Model, Part, Projection, Samples, Similarity, Statistic, StatisticPart, TypeModel, addition, region_profile};
 pub use statistics::{Histogram, Statistics};
 pub use voids::{Voids, largest_rectangle, trimmed};
 pub use water::{MIN_WATER_CELLS, Water, find_water};
