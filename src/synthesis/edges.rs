@@ -137,7 +137,7 @@ fn summit(before: f32, middle: f32, after: f32) -> f32 {
 }
 
 /// Finds points of edges, in the order of rows, columns and scales.
-pub fn detect(heights: &[f32], columns: usize, rows: usize, spacing: f64) -> Vec<EdgePoint> {
+pub(super) fn detect(heights: &[f32], columns: usize, rows: usize, spacing: f64) -> Vec<EdgePoint> {
     if columns < 3 || rows < 3 {
         return Vec::new();
     }
@@ -236,11 +236,11 @@ pub fn link(points: &[EdgePoint], spacing: f64, linking: Linking) -> Vec<Edge> {
     let cells = Cells::new(points, linking);
     let mut first: Vec<usize> = (0..points.len()).collect();
     let mut length = vec![0.0; points.len()];
-    for number in 0..points.len() {
+    for (number, length) in length.iter_mut().enumerate() {
         cells.links(number, spacing, |other, metres| {
             let (one, other) = (root(&mut first, number), root(&mut first, other));
             first[one.max(other)] = one.min(other);
-            length[number] += metres;
+            *length += metres;
         });
     }
     let mut edges: Vec<Edge> = Vec::new();

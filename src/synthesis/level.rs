@@ -80,7 +80,9 @@ fn taps(cells: usize, count: usize, ratio: f64) -> Vec<Taps> {
         let mut weights: Vec<f64> =
             (first..=last).map(|cell| (cell as f64 - middle) / width).map(|x| if x.abs() < LOBES { sinc(x) * sinc(x / LOBES) } else { 0.0 }).collect();
         let sum: f64 = weights.iter().sum();
-        weights.iter_mut().for_each(|weight| *weight /= sum);
+        for weight in &mut weights {
+            *weight /= sum;
+        }
         Taps { first, weights }
     };
     (0..count).map(taps).collect()

@@ -44,7 +44,9 @@ pub fn find_water(grid: &SampleGrid) -> (Vec<bool>, Vec<Water>) {
             }
         }
         if body.iter().filter(|cell| inner[**cell]).count() >= MIN_WATER_CELLS {
-            body.iter().for_each(|cell| land[*cell] = false);
+            for cell in &body {
+                land[*cell] = false;
+            }
             bodies.push(Water { elevation, cells: body.len() });
         }
     }

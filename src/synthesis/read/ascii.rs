@@ -15,9 +15,12 @@ struct Head {
     void: Option<f64>,
 }
 
+/// Lines of a file with their numbers from 0.
+type Lines<'a> = std::iter::Enumerate<std::slice::Split<'a, u8, fn(&u8) -> bool>>;
+
 /// Words of a file with their lines.
 struct Words<'a> {
-    lines: std::iter::Enumerate<std::slice::Split<'a, u8, fn(&u8) -> bool>>,
+    lines: Lines<'a>,
     rest: &'a [u8],
     /// Of the last word that was taken, from 1.
     line: usize,

@@ -82,18 +82,13 @@ impl File<'_> {
     /// Numbers to a checked sample.
     fn finish(&self, format: Format, numbers: Numbers) -> Result<Sample, SampleError> {
         let Numbers { columns, rows, spacing, mut values, void, unit, mut notes } = numbers;
-        let unit = match self.hints.unit.or(unit) {
-            Some(unit) => unit,
-            None => {
-                if self.hints.range.is_none() {
-                    notes.push("no unit of heights is stated: metres are taken".to_owned());
-                }
-                Unit::Metres
-            }
-        };
+        let unit = self.hints.unit.or(unit);
+        if unit.is_none() && self.hints.range.is_none() {
+            notes.push("no unit of heights is stated: metres are taken".to_owned());
+        }
+        let metres = unit.unwrap_or(Unit::Metres).metres();
         let declared = self.hints.void.or(void);
         let stands_for_void = declared.unwrap_or(USUAL_VOID) as f32;
-        let metres = unit.metres();
         let mut voids = 0_usize;
         for value in &mut values {
             if *value == stands_for_void || value.is_nan() {

@@ -62,14 +62,19 @@ fn png(bytes: &[u16], columns: u32, rows: u32) -> Vec<u8> {
     file
 }
 
+/// Whole numbers of six columns each.
+fn six(numbers: &[i64]) -> String {
+    numbers.iter().map(|number| format!("{number:>6}")).collect()
+}
+
 /// A USGS DEM in metres every 30 m whose profiles begin and end at different rows; elevations count decimetres above a datum of 100 m.
 fn dem(separator: &str) -> Vec<u8> {
     let heights = heights();
     let number = |number: f64| format!("{:>24}", format!("{number:.15E}").replace('E', "D+0").replace("D+0-", "D-0"));
     let mut a = format!("{:<144}", "MADE UP QUADRANGLE");
-    a += &format!("{:>6}{:>6}{:>6}{:>6}", 1, 1, 1, 13);
+    a += &six(&[1, 1, 1, 13]);
     a += &number(0.0).repeat(15);
-    a += &format!("{:>6}{:>6}{:>6}", 2, 2, 4);
+    a += &six(&[2, 2, 4]);
     for [x, y] in [[0.0, 0.0], [0.0, 540.0], [660.0, 540.0], [660.0, 0.0]] {
         a += &number(x);
         a += &number(y);
@@ -77,14 +82,14 @@ fn dem(separator: &str) -> Vec<u8> {
     a += &number(0.0);
     a += &number(4000.0);
     a += &number(0.0);
-    a += &format!("{:>6}", 1);
-    a += &format!("{:>12}{:>12}{:>12}", "0.300000E+02", "0.300000E+02", "0.100000E+00");
-    a += &format!("{:>6}{:>6}", 1, COLUMNS);
+    a += &six(&[1]);
+    a += "0.300000E+020.300000E+020.100000E+00";
+    a += &six(&[1, COLUMNS as i64]);
     let mut blocks = vec![a];
     for column in 0..COLUMNS {
         // The corners of the west are void.
         let skip = 4_usize.saturating_sub(column);
-        let mut b = format!("{:>6}{:>6}{:>6}{:>6}", 1, column + 1, ROWS - skip, 1);
+        let mut b = six(&[1, column as i64 + 1, (ROWS - skip) as i64, 1]);
         b += &number(30.0 * column as f64);
         b += &number(30.0 * skip as f64);
         b += &number(100.0);
@@ -92,7 +97,7 @@ fn dem(separator: &str) -> Vec<u8> {
         b += &number(4000.0);
         for row in (0..ROWS - skip).rev() {
             let height = heights[row * COLUMNS + column];
-            b += &format!("{:>6}", if height == VOID { -32_767 } else { (i32::from(height) - 100) * 10 });
+            b += &six(&[if height == VOID { -32_767 } else { (i64::from(height) - 100) * 10 }]);
         }
         blocks.push(b);
     }
