@@ -59,7 +59,7 @@ struct Bends {
     smoothness: f32,
     /// Angles of chords, and all bends: what is computed in between.
     chords: Vec<f32>,
-    bends: Vec<f32>,
+    all: Vec<f32>,
 }
 
 /// Sums of bends that are added up side by side.
@@ -67,7 +67,7 @@ const LANES: usize = 8;
 
 impl Bends {
     fn new(smoothness: f64) -> Self {
-        Self { smoothness: smoothness as f32, chords: Vec::new(), bends: Vec::new() }
+        Self { smoothness: smoothness as f32, chords: Vec::new(), all: Vec::new() }
     }
 
     /// How fit a bend is (Eq. IV.3): the sine of 0 … 1.1 π is the cosine of a quarter turn less, by its series to an error of 10⁻⁵.
@@ -114,7 +114,7 @@ impl Breed for Bends {
     }
 
     fn fitness(&mut self, own: &[f32]) -> f32 {
-        self.bends.clear();
+        self.all.clear();
         angles_of(own, &mut self.chords);
         for doubling in 0..DOUBLINGS {
             if doubling > 0 {
@@ -126,10 +126,10 @@ impl Breed for Bends {
                 self.chords.truncate(pairs);
             }
             let next = self.chords.iter().skip(1);
-            self.bends.extend(next.zip(&self.chords).map(|(next, angle)| next - angle));
+            self.all.extend(next.zip(&self.chords).map(|(next, angle)| next - angle));
         }
         let mut sums = [0.0; LANES];
-        let (whole, rest) = self.bends.as_chunks::<LANES>();
+        let (whole, rest) = self.all.as_chunks::<LANES>();
         for bends in whole {
             for (sum, bend) in sums.iter_mut().zip(bends) {
                 *sum += self.fit(*bend);
@@ -138,7 +138,7 @@ impl Breed for Bends {
         for (sum, bend) in sums.iter_mut().zip(rest) {
             *sum += self.fit(*bend);
         }
-        if self.bends.is_empty() { 0.0 } else { sums.iter().sum::<f32>() / self.bends.len() as f32 }
+        if self.all.is_empty() { 0.0 } else { sums.iter().sum::<f32>() / self.all.len() as f32 }
     }
 }
 

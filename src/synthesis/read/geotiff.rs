@@ -1,10 +1,10 @@
 //! TIFF with its place on the ground (OGC 19-008r4).
 
-use super::{File, Format, MAX_CELLS, MAX_RATIO, Numbers, Place, Sample, SampleError, Unit, degrees};
+use super::{File, Format, MAX_CELLS, MAX_RATIO, Numbers, Place, Sample, SampleError, Unit, degrees, lzw};
 use std::io::Cursor;
 use tiff::{
     ColorType, TiffError,
-    decoder::{Decoder, DecodingResult, Limits},
+    decoder::{ChunkType, Decoder, DecodingResult, Limits},
     tags::{CompressionMethod, Tag},
 };
 
@@ -28,7 +28,7 @@ const VERTICAL_UNIT: u16 = 4099;
 /// Coordinates are degrees.
 const GEOGRAPHIC: u16 = 2;
 
-type Tiff<'a> = Decoder<Cursor<&'a [u8]>>;
+pub(super) type Tiff<'a> = Decoder<Cursor<&'a [u8]>>;
 
 /// What a TIFF library finds wrong.
 fn wrong(file: &File, place: Place, error: &TiffError) -> SampleError {
@@ -125,14 +125,25 @@ fn layout(file: &File, tiff: &mut Tiff) -> Result<[usize; 3], SampleError> {
     };
     let bytes = (bits as usize).div_ceil(8);
     let compression = tiff.find_tag_unsigned::<u16>(Tag::Compression).map_err(|error| wrong(file, Place::Tag(COMPRESSION), &error))?;
-    let plain = compression.is_none_or(|code| CompressionMethod::from_u16(code) == Some(CompressionMethod::None));
-    let ratio = if plain { 1 } else { MAX_RATIO };
+    let compression = compression.map_or(CompressionMethod::None, CompressionMethod::from_u16_exhaustive);
+    let read = [CompressionMethod::None, CompressionMethod::LZW, CompressionMethod::Deflate, CompressionMethod::OldDeflate, CompressionMethod::PackBits];
+    if !read.contains(&compression) {
+        let has = format!("compression {} is not read: it must be none, LZW, deflate or PackBits", compression.to_u16());
+        return Err(file.error(Place::Tag(COMPRESSION), has));
+    }
+    let ratio = if compression == CompressionMethod::None { 1 } else { MAX_RATIO };
     file.expands(Place::Tag(WIDTH), cells * bytes, ratio)?;
     let (wide, high) = tiff.chunk_dimensions();
     let chunk = (wide as usize).saturating_mul(high.min(rows.max(1) as u32 * 64) as usize).saturating_mul(bytes);
     // Tiles at the border are whole, strips are not.
     file.expands(Place::Tag(WIDTH), if wide as usize == columns { chunk.min(cells * bytes) } else { chunk }, ratio)?;
     Ok([columns, rows, bytes])
+}
+
+/// Whether it is made of tiles that are compressed by LZW.
+fn tiled_by_lzw(file: &File, tiff: &mut Tiff) -> Result<bool, SampleError> {
+    let compression = tiff.find_tag_unsigned::<u16>(Tag::Compression).map_err(|error| wrong(file, Place::Tag(COMPRESSION), &error))?;
+    Ok(compression == Some(CompressionMethod::LZW.to_u16()) && tiff.get_chunk_type() == ChunkType::Tile)
 }
 
 /// The number that stands for voids.
@@ -159,6 +170,10 @@ pub(super) fn read(file: &File) -> Result<Sample, SampleError> {
     let vertical = keys.iter().find(|[key, _]| *key == VERTICAL_UNIT).map(|[key, code]| unit(file, *key, *code));
     let vertical = if file.hints.unit.is_some() { None } else { vertical.transpose()? };
     let void = void(file, &mut tiff)?;
+    if tiled_by_lzw(file, &mut tiff)? {
+        let values = lzw::tiles(file, &mut tiff, [columns, rows, bytes])?;
+        return file.finish(Format::Geotiff, Numbers { columns, rows, spacing, values, void, unit: vertical, notes });
+    }
     let mut limits = Limits::default();
     limits.decoding_buffer_size = columns * rows * bytes;
     limits.intermediate_buffer_size = MAX_CELLS * bytes;

@@ -5,6 +5,7 @@ mod degrees;
 mod dem;
 mod geotiff;
 mod hgt;
+mod lzw;
 mod png16;
 mod raw;
 #[cfg(test)]

@@ -30,7 +30,7 @@ fn ascii() -> Vec<u8> {
     text.into_bytes()
 }
 
-/// A GeoTIFF of floats with keys of its place.
+/// A `GeoTIFF` of floats with keys of its place.
 fn geotiff(compression: Compression, keys: &[u16], scale: [f64; 3], tie: [f64; 6], nodata: &str) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
     let mut encoder = TiffEncoder::new(&mut bytes).unwrap().with_compression(compression);
@@ -197,6 +197,30 @@ fn degrees_and_units_of_files_become_metres() {
     let read = sample("degrees.asc", grid.as_bytes(), &Hints::default());
     assert!((read.grid.spacing[0] - 71.06).abs() < 0.05 && (read.grid.spacing[1] - 92.53).abs() < 0.05, "{:?}", read.grid.spacing);
     assert!(read.notes.iter().any(|note| note.contains("latitude 40.09")) && read.notes.iter().any(|note| note.contains("metres are taken")));
+}
+
+/// Files that GDAL wrote: the numbers of 41 × 37 cells in tiles of 16 × 16.
+#[test]
+fn tiles_of_lzw_are_those_that_gdal_wrote() {
+    let expected = |i: i32| f64::from(((i % 41 * 37 + i / 41 * 101) % 613) * 3 - 200 + (i / 41 * (i % 41)) % 7);
+    let files: [(&str, &[u8], f64); 3] = [
+        ("i16", include_bytes!("fixtures/tiled-lzw-i16.tif"), 1.0),
+        ("f32", include_bytes!("fixtures/tiled-lzw-f32.tif"), 4.0),
+        ("f64", include_bytes!("fixtures/tiled-lzw-f64.tif"), 4.0),
+    ];
+    for (name, bytes, divisor) in files {
+        let grid = sample(name, bytes, &Hints::default()).grid;
+        assert_eq!((grid.columns, grid.rows, grid.spacing), (41, 37, [30.0; 2]));
+        assert!(same(&grid.heights, &(0..41 * 37).map(|i| (expected(i) / divisor) as f32).collect::<Vec<_>>()), "{name}");
+        for end in (0..bytes.len()).step_by(7) {
+            sound(name, &bytes[..end], &Hints::default());
+        }
+        for at in (0..bytes.len()).step_by(3) {
+            let mut bytes = bytes.to_vec();
+            bytes[at] ^= 0x55;
+            sound(name, &bytes, &Hints::default());
+        }
+    }
 }
 
 #[test]
