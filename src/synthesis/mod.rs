@@ -1,7 +1,8 @@
 //! Terrain by example (Saunders, "Terrainosaurus: realistic terrain synthesis using genetic algorithms", 2006): samples of elevations, what they are like, and how much terrain looks like them.
 //!
 //! [`read`] makes a [`Sample`] of a file's bytes, [`Voids`] choose its part without voids, and an [`Analysis`] finds its distributions at a [`Level`]. A [`Model`] of several types of terrain says how
-//! [similar](Similarity) other terrain is to each, how far that can be trusted, and why. A [`Library`] is the document that names types and samples.
+//! [similar](Similarity) other terrain is to each, how far that can be trusted, and why. A [`Library`] is the document that names types and samples; a [`Map`] says
+//! which type lies where, and [`refine`] bends the edges that its regions share.
 //!
 //! ```
 //! use terrane::synthesis::{Hints, read};

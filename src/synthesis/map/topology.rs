@@ -261,20 +261,23 @@ fn check_gaps(edges: &[MapEdge], snap: f64) -> Result<(), MapProblem> {
 
 /// Regions of one type that share an edge are one.
 fn merged(map: &Map, edges: &[MapEdge]) -> Vec<usize> {
-    let mut merged: Vec<usize> = (0..map.regions.len()).collect();
+    let mut first: Vec<usize> = (0..map.regions.len()).collect();
+    let root = |first: &mut [usize], mut region: usize| {
+        while first[region] != region {
+            first[region] = first[first[region]];
+            region = first[region];
+        }
+        region
+    };
     for edge in edges {
         if let [Some(left), Some(right)] = edge.regions
             && map.regions[left].kind == map.regions[right].kind
         {
-            let (low, high) = (merged[left].min(merged[right]), merged[left].max(merged[right]));
-            for region in &mut merged {
-                if *region == high {
-                    *region = low;
-                }
-            }
+            let (left, right) = (root(&mut first, left), root(&mut first, right));
+            first[left.max(right)] = left.min(right);
         }
     }
-    merged
+    (0..first.len()).map(|region| root(&mut first, region)).collect()
 }
 
 pub(super) fn of(map: &Map) -> Result<Topology, MapProblem> {
