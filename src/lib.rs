@@ -24,7 +24,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Modules may use only those listed before them: [`geometry`], [`noise`], [`genetic`], [`analysis`], [`programme`], [`layout`], [`paths`], [`evolve`], [`world`], [`tile`], [`query`], `store`, `jobs`, `server`.
+//! Modules may use only those listed before them: [`geometry`], [`noise`], [`genetic`], [`analysis`], [`programme`], [`layout`], [`paths`], [`synthesis`], [`evolve`], [`world`], [`tile`], [`query`], `store`, `jobs`, `server`.
 
 pub mod analysis;
 pub mod evolve;
@@ -41,5 +41,6 @@ pub mod query;
 pub mod server;
 #[cfg(feature = "server")]
 pub mod store;
+pub mod synthesis;
 pub mod tile;
 pub mod world;

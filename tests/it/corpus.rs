@@ -10,6 +10,8 @@ mod check_part;
 mod check_programme;
 #[path = "../../fuzz/fuzz_targets/check_request.rs"]
 mod check_request;
+#[path = "../../fuzz/fuzz_targets/check_sample.rs"]
+mod check_sample;
 #[path = "../../fuzz/fuzz_targets/check_world.rs"]
 mod check_world;
 
@@ -55,4 +57,9 @@ fn the_corpus_of_configurations_holds() {
 #[test]
 fn the_corpus_of_parts_holds() {
     replay("part", 5, check_part::check);
+}
+
+#[test]
+fn the_corpus_of_samples_holds() {
+    replay("sample", 10, check_sample::check);
 }

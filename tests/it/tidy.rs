@@ -117,7 +117,7 @@ fn only_the_server_knows_http_and_only_instruction_sets_are_unsafe() {
             assert!(allowed || !code.contains(word), "{name} holds {word}");
         }
         let kernels = !tests
-            && ["noise/", "genetic/", "programme/", "layout/", "paths/", "evolve/", "geometry/", "world/", "analysis/", "tile/", "query/"]
+            && ["noise/", "genetic/", "programme/", "layout/", "paths/", "synthesis/", "evolve/", "geometry/", "world/", "analysis/", "tile/", "query/"]
                 .iter()
                 .any(|room| name.starts_with(room));
         for word in [
