@@ -298,3 +298,15 @@ fn samples_on_nodes_are_their_heights_and_none_is_beyond_its_neighbours() {
     assert_eq!(terrain.height([1280.0, 0.0]), Some(terrain.nodes()[128]));
     assert_eq!(terrain.height([1280.1, 0.0]), None);
 }
+
+/// What follows from a history is part of what it is: the same on every machine and with every version of its form.
+#[test]
+fn a_history_gives_what_it_always_gave() {
+    let mut adaptive = adaptive(7);
+    for height in [120.0, 60.0, 101.0] {
+        adaptive.feed(Feedback::height(height)).expect("within the range");
+    }
+    let terrain = adaptive.terrain(3).expect("a generation");
+    let digest = terrain.nodes().iter().fold(0, |digest, height| crate::noise::key(digest, height.to_bits().into()));
+    assert_eq!(digest, 2_678_345_519_401_204_429);
+}

@@ -314,3 +314,10 @@ fn first_generations_are_worth_seeing() {
     }
     assert!(worth * 100 >= count * 97, "{worth} of {count}");
 }
+
+/// What a record breeds is part of what it is: the same on every machine and with every version of its form.
+#[test]
+fn a_record_breeds_what_it_always_bred() {
+    let text: String = session(7).generations().iter().flatten().map(|bred| bred.genome.to_string()).collect();
+    assert_eq!(text.bytes().fold(0, |digest, byte| crate::noise::key(digest, byte.into())), 7_459_423_560_038_567_038, "{text:.200}");
+}
