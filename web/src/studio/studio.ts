@@ -88,6 +88,7 @@ export class Studio {
   async show(): Promise<void> {
     document.body.append(this.#dialog);
     this.#dialog.showModal();
+    this.#cards[0]?.button.focus(); // where the keys are, not in the choice of sessions
     await this.#guarded(async () => {
       const last = (JSON.parse(localStorage.getItem(PLACE) ?? '{}') as { name?: string }).name;
       const known = await this.#list();
