@@ -146,7 +146,7 @@ async fn what_is_wrong_with_a_drawing_is_told_with_its_place() {
         (wrong("/strokes/0/cost", json!({"programme": "fmb(1)"})), format!("{at}/drawing/strokes/0/cost/programme: ")),
         (wrong("/strokes/0/profiles", json!(["cone"])), format!("{at}/drawing/strokes/0/profiles/0: no profile is called \"cone\"; there are flank")),
         (json!({"drawing": {"size": [9, 9], "colour": 1}}), format!("{at}/drawing/colour: unknown field")),
-        (json!({}), format!("{at}: paths are either a drawing or endless or a shadow")),
+        (json!({}), format!("{at}: paths are either a drawing, endless or a shadow")),
         (wrong_shadow("/tilt", json!(0)), format!("{at}/shadow/tilt: must be 5 … 88, got 0")),
         (wrong_shadow("/size", json!([9, 9])), format!("{at}/shadow/picture/data: must be 9 × 9 pixels like the drawing, got 512 × 512")),
         (json!({"endless": {"spacing": 10}}), format!("{at}/endless/cell: missing field")),
