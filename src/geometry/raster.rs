@@ -150,10 +150,7 @@ impl Raster {
             let step = self.place.spacing * coarseness(number);
             let end = |axis: usize, node: i64| self.place.origin[axis] + node as f64 * step;
             let (columns, rows) = (level.columns as i64, level.rows as i64);
-            Rectangle {
-                min: [end(0, level.first[0] - 1), end(1, level.first[1] - 1)],
-                max: [end(0, level.first[0] + columns), end(1, level.first[1] + rows)],
-            }
+            Rectangle { min: [end(0, level.first[0] - 1), end(1, level.first[1] - 1)], max: [end(0, level.first[0] + columns), end(1, level.first[1] + rows)] }
         };
         self.levels.iter().enumerate().map(of).fold(Rectangle::EMPTY, Rectangle::union)
     }

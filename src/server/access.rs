@@ -149,7 +149,9 @@ pub(super) fn needed(method: &Method, path: &str, reads: Reads) -> Option<Scope>
         Method::OPTIONS => None,
         Method::GET | Method::HEAD => (reads == Reads::Keys && is_guarded(path)).then_some(if path == "/metrics" { Scope::Admin } else { Scope::Read }),
         // Questions that are too long for an address.
-        Method::POST if path.starts_with("/worlds/") && (path.ends_with("/elevation") || path.ends_with("/accessibility")) => (reads == Reads::Keys).then_some(Scope::Read),
+        Method::POST if path.starts_with("/worlds/") && (path.ends_with("/elevation") || path.ends_with("/accessibility")) => {
+            (reads == Reads::Keys).then_some(Scope::Read)
+        }
         _ => Some(Scope::Write),
     }
 }

@@ -4,7 +4,10 @@ use super::{
     access::{guard, needed},
     config::Reads,
     error::ApiError,
-    handler::{accessibility, breeding, catalog, description, elevation, export, feature, feature_edit, health, job, layer, programme, raster, shader, tile, viewer, world},
+    handler::{
+        accessibility, breeding, catalog, description, elevation, export, feature, feature_edit, health, job, layer, programme, raster, shader, tile, viewer,
+        world,
+    },
     observe::observe,
     state::App,
 };

@@ -88,7 +88,8 @@ impl Work {
         let plan = Plan::unbounded(&self.drawing).map_err(refused)?;
         let settled = plan.most_settled();
         if settled > MOST_SETTLED {
-            let detail = format!("its searches may settle {settled} nodes, more than {MOST_SETTLED}: use fewer strokes, a greater spacing or narrower profiles");
+            let detail =
+                format!("its searches may settle {settled} nodes, more than {MOST_SETTLED}: use fewer strokes, a greater spacing or narrower profiles");
             return Err(refused(DrawingError { pointer: String::new(), detail }));
         }
         Ok(Prepared { drawing: &self.drawing, plan })

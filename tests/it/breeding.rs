@@ -85,7 +85,10 @@ async fn what_is_wrong_with_a_session_is_told_with_its_place() {
     let client = Client::new().await;
     let cases = [
         (json!({"form": 2, "seed": 1}), "422 /form: must be 1, the form that this version reads, got 2"),
-        (json!({"form": 1, "seed": 1, "choices": [{"parents": [3, 3]}]}), "422 /choices/0/parents: must be one or two different individuals, 0 … 11, got [3, 3]"),
+        (
+            json!({"form": 1, "seed": 1, "choices": [{"parents": [3, 3]}]}),
+            "422 /choices/0/parents: must be one or two different individuals, 0 … 11, got [3, 3]",
+        ),
         (json!({"form": 1, "seed": 1, "programmes": ["x", "fmb(1, 2, 3)"]}), "422 /programmes/1: "),
         (json!({"form": 1, "seed": 1, "colour": 3}), "422 /colour: unknown field `colour`"),
         (json!({"form": 1, "seed": -1}), "422 /seed: "),

@@ -68,7 +68,8 @@ async fn a_job_makes_a_raster_that_a_world_shows() {
 
     // On a world it stands on what is beneath, node by node.
     let layer = |hash: &str| {
-        json!({"seed": 1, "base": {"programme": "0", "scale": 1, "datum": 250}, "layers": [{"name": "range", "source": {"raster": {"hash": hash}}}]}).to_string()
+        json!({"seed": 1, "base": {"programme": "0", "scale": 1, "datum": 250}, "layers": [{"name": "range", "source": {"raster": {"hash": hash}}}]})
+            .to_string()
     };
     let saved = client.put("/worlds/range", &layer(raster["hash"].as_str().unwrap())).await;
     assert_eq!(saved.status, StatusCode::CREATED, "{}", String::from_utf8_lossy(&saved.body));

@@ -55,7 +55,10 @@ pub(crate) async fn post_accessibility(State(app): State<App>, WorldAt { live, .
     let apron = window.with_apron(1);
     let cost_ns = live.world.cost_ns(&apron) + CELL_NS * window.samples() as f64;
     if cost_ns > MOST_NS {
-        return Err(wrong("/spacing", format!("the area would take {:.0} s, more than {:.0}: choose a greater spacing or a smaller area", cost_ns / 1e9, MOST_NS / 1e9)));
+        return Err(wrong(
+            "/spacing",
+            format!("the area would take {:.0} s, more than {:.0}: choose a greater spacing or a smaller area", cost_ns / 1e9, MOST_NS / 1e9),
+        ));
     }
     asker.pay(&app, cost_ns)?;
     let asked = WhileAsked::new();

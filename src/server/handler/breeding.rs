@@ -180,7 +180,8 @@ pub(crate) async fn get_picture(
         return Ok(answer(bytes));
     }
     let (portrait, window) = (shown(&genome, seed)?, Portrait::window(PIXELS));
-    let order = Order { fingerprint, revision: live.revision().clone(), class: class(&headers), cost_ns: portrait.cost_ns(&window), kind: ["preview", "programme"] };
+    let order =
+        Order { fingerprint, revision: live.revision().clone(), class: class(&headers), cost_ns: portrait.cost_ns(&window), kind: ["preview", "programme"] };
     let made = bought(&app, asker, order, move |stop| preview(&Until { source: &portrait, stop: stop.clone() }, &window, -1.0)).await?;
     Ok(timed(answer(made.bytes), made.timing))
 }

@@ -43,7 +43,11 @@ pub(crate) enum WorkErrors {
     Forbidden(ProblemDetails),
     #[response(status = 413, description = "The body is too large", content_type = "application/problem+json")]
     TooLarge(ProblemDetails),
-    #[response(status = 422, description = "Something in it is wrong: every problem with its place; nothing is stored", content_type = "application/problem+json")]
+    #[response(
+        status = 422,
+        description = "Something in it is wrong: every problem with its place; nothing is stored",
+        content_type = "application/problem+json"
+    )]
     Invalid(ProblemDetails),
 }
 
@@ -163,12 +167,7 @@ pub(crate) async fn post_preview(State(app): State<App>, Body(body): Body) -> Re
     (status = 304, description = "The answer is the one that If-None-Match names"),
     (status = 404, description = "No such job", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
-pub(crate) async fn get_preview(
-    State(app): State<App>,
-    Hash(id): Hash,
-    asker: Asker,
-    headers: HeaderMap,
-) -> Result<Response, ApiError> {
+pub(crate) async fn get_preview(State(app): State<App>, Hash(id): Hash, asker: Asker, headers: HeaderMap) -> Result<Response, ApiError> {
     /// Predicted nanoseconds.
     const COST_NS: f64 = 5e8;
     let entry = app.0.store.job(&id).await?.ok_or_else(|| unknown(&id))?;
