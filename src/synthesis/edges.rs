@@ -230,7 +230,7 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// Links points, which are in the order of [`detect`], to edges, which are in the order of their first points.
+/// Links points, which are in the order of their detection, to edges, which are in the order of their first points.
 #[must_use]
 pub fn link(points: &[EdgePoint], spacing: f64, linking: Linking) -> Vec<Edge> {
     let cells = Cells::new(points, linking);
