@@ -179,7 +179,7 @@ pub(crate) async fn get_picture(
     if let Some(bytes) = app.0.tiles.cached(&fingerprint).await {
         return Ok(answer(bytes));
     }
-    let (portrait, window) = (shown(&genome, seed)?, Portrait::window(PIXELS));
+    let (portrait, window) = (app.0.queries.run(move || shown(&genome, seed)).await??, Portrait::window(PIXELS));
     let order =
         Order { fingerprint, revision: live.revision().clone(), class: class(&headers), cost_ns: portrait.cost_ns(&window), kind: ["preview", "programme"] };
     let made = bought(&app, asker, order, move |stop| preview(&Until { source: &portrait, stop: stop.clone() }, &window, -1.0)).await?;

@@ -31,7 +31,7 @@ pub(in crate::server) struct JobSchema {
     /// The share that is done, 0 … 1.
     #[schema(minimum = 0, maximum = 1)]
     pub progress: f64,
-    /// What it made.
+    /// URL of the raster that it made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub raster: Option<String>,
     /// Why it failed.

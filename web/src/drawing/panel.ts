@@ -1,5 +1,5 @@
 import {
-  Problem, askJob, jobs, previewJob, readJob, readWorld, saveWorld, type Job, type JobPreview, type JsonObject, type Stored,
+  Problem, askJob, forgetJob, jobs, previewJob, readJob, readWorld, saveWorld, type Job, type JobPreview, type JsonObject, type Stored,
 } from '../api.ts';
 import { ask, element } from '../dialog.ts';
 import type { TerrainMap } from '../map.ts';
@@ -7,7 +7,7 @@ import { slug } from '../text.ts';
 import { CurveEditor } from './curve.ts';
 import { PROFILES, emptySketch, fromWork, toWork, type Curve, type Detail, type Kind, type Sketch, type Stroke } from './model.ts';
 import { Pen } from './pen.ts';
-import { ended, giveUp } from './work.ts';
+import { ended } from './work.ts';
 
 export interface PanelEvents {
   /** A new revision of the world is stored. */
@@ -90,11 +90,6 @@ export class DrawPanel {
     this.#find('#curve').append(this.#curve.element);
     this.#find<HTMLSelectElement>('#stroke-profile').append(...[...Object.keys(PROFILES), OWN].map((name) => new Option(NAMES[name] ?? name, name)));
     this.#listen();
-  }
-
-  /** Whether something is drawn that is not part of the world. */
-  get busy(): boolean {
-    return this.#job !== undefined;
   }
 
   async show(world: string): Promise<void> {
@@ -400,7 +395,7 @@ export class DrawPanel {
     const job = this.#job;
     if (!job) return;
     try {
-      await giveUp(job);
+      await forgetJob(job);
     } catch (error) {
       this.#refused(error);
     }

@@ -1,4 +1,4 @@
-import { Problem, forgetJob, readJob, type Job } from '../api.ts';
+import { Problem, readJob, type Job } from '../api.ts';
 
 /** Milliseconds between two looks at a job. */
 const WAIT_MS = 250;
@@ -22,5 +22,3 @@ export async function ended(id: string, seen: (job: Job) => void): Promise<Job |
     await pause(WAIT_MS);
   }
 }
-
-export const giveUp = (id: string): Promise<void> => forgetJob(id);

@@ -312,7 +312,7 @@ export class Studio {
     });
     const heading = element('h2', { id: 'family-title', textContent: 'Family tree' });
     const form = element('form', { method: 'dialog' }, heading, element('ol', { className: 'family' }, ...rows), element('div', { className: 'actions' }, element('button', { className: 'primary', textContent: 'Close' })));
-    const dialog = element('dialog', { className: 'gallery' }, form);
+    const dialog = element('dialog', { className: 'family-tree' }, form);
     dialog.setAttribute('aria-labelledby', heading.id);
     this.#dialog.append(dialog);
     dialog.addEventListener('close', () => dialog.remove());
