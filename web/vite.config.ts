@@ -7,6 +7,8 @@ export default defineConfig({
     target: 'es2022',
     chunkSizeWarningLimit: 1500,
     rollupOptions: {
+      // The map, and the game with a library of its own that the map does not load.
+      input: ['index.html', 'play.html'],
       output: {
         // MapLibre's worker is an .mjs file; as .js every server knows its media type.
         assetFileNames: (asset) =>
@@ -17,7 +19,7 @@ export default defineConfig({
   // `npm run dev` beside a running `terrane serve`.
   server: {
     proxy: Object.fromEntries(
-      ['/catalog', '/worlds', '/programmes'].map((path) => [path, process.env['TERRANE_URL'] ?? 'http://127.0.0.1:8080']),
+      ['/catalog', '/worlds', '/programmes', '/breeding', '/jobs', '/rasters', '/events'].map((path) => [path, process.env['TERRANE_URL'] ?? 'http://127.0.0.1:8080']),
     ),
   },
 });

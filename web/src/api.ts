@@ -70,7 +70,7 @@ async function problem(response: Response): Promise<Problem> {
   }
 }
 
-async function request(path: string, init: RequestInit = {}): Promise<Response> {
+export async function request(path: string, init: RequestInit = {}): Promise<Response> {
   let response: Response;
   try {
     response = await fetch(path, { ...init, headers: { ...init.headers, ...authorization() } });
@@ -82,7 +82,7 @@ async function request(path: string, init: RequestInit = {}): Promise<Response> 
   return response;
 }
 
-const send = (method: string, document: JsonObject, headers: Record<string, string> = {}): RequestInit => ({
+export const send = (method: string, document: JsonObject, headers: Record<string, string> = {}): RequestInit => ({
   method,
   headers: { 'Content-Type': 'application/json', ...headers },
   body: JSON.stringify(document),
