@@ -4,6 +4,8 @@
 const SLOW_MS = 26;
 const QUICK_MS = 18;
 const PICTURES = 24;
+/** Where pictures are very slow, fewer of them tell. */
+const ENOUGH_MS = 1200;
 const LEAST_PIXELS = 0.55;
 /** Below it neighbours may be two levels apart, which shows. */
 const LEAST_REFINEMENT = 1.45;
@@ -25,16 +27,16 @@ export class Pace {
   /** Takes the time between two pictures, both drawn in a row. */
   tell(milliseconds: number): void {
     this.#sum += Math.min(milliseconds, 250);
-    if (++this.#count < PICTURES) return;
+    if (++this.#count < PICTURES && this.#sum < ENOUGH_MS) return;
     const mean = this.#sum / this.#count;
     this.#sum = this.#count = 0;
     this.#quick = mean < QUICK_MS ? this.#quick + 1 : 0;
-    if (mean > SLOW_MS) this.#less();
+    if (mean > SLOW_MS) this.#less(Math.max(0.6, Math.min(0.85, SLOW_MS / mean)));
     else if (this.#quick >= PATIENCE) this.#more();
   }
 
-  #less(): void {
-    if (this.pixels > LEAST_PIXELS) this.pixels = Math.max(LEAST_PIXELS, this.pixels * 0.82);
+  #less(by: number): void {
+    if (this.pixels > LEAST_PIXELS) this.pixels = Math.max(LEAST_PIXELS, this.pixels * by);
     else this.refinement = Math.max(LEAST_REFINEMENT, this.refinement - 0.15);
   }
 

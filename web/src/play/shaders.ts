@@ -134,12 +134,12 @@ float grain(float far) {
 }
 
 vec3 lit_ground(vec3 n, float far) {
-  float wild = value_noise(plane / 41.0 + 11.0) - 0.5;
+  float wild = mix(value_noise(plane / 900.0 + 11.0), value_noise(plane / 41.0 + 11.0), exp(-far / 2200.0)) - 0.5;
   vec3 albedo = land(ground + wild * 0.04 * (stops[STOPS - 1] - stops[0]));
   float steep = 1.0 - n.y;
   vec3 rock = mix(vec3(0.20, 0.185, 0.175), vec3(0.33, 0.30, 0.27), value_noise(vec2(plane.x * 0.21 + plane.y * 0.05, ground * 0.35)));
   albedo = mix(albedo, rock, smoothstep(0.20, 0.38, steep + wild * 0.10));
-  float white = smoothstep(snow - 60.0, snow + 60.0, ground + wild * 160.0) * (1.0 - smoothstep(0.16, 0.34, steep));
+  float white = smoothstep(snow - 150.0, snow + 150.0, ground + wild * 330.0 + (value_noise(plane / 4200.0 + 2.0) - 0.5) * 500.0) * (1.0 - smoothstep(0.16, 0.34, steep));
   albedo = mix(albedo, vec3(0.86, 0.89, 0.93), white);
   float shore = 1.0 - smoothstep(0.4, 2.6, ground - sea + wild);
   albedo = mix(albedo, vec3(0.56, 0.49, 0.35), shore * (1.0 - smoothstep(0.1, 0.3, steep)));

@@ -169,9 +169,12 @@ export class Terrain {
     this.#wanted.sort((a, b) => a.address.z - b.address.z || a.urgency - b.urgency);
     for (const { address } of this.#wanted) {
       if (!this.#loader.free) return;
-      if (this.#loader.asks(this.revision, address)) continue;
+      if (this.#find(address) || this.#loader.asks(this.revision, address)) continue;
       const revision = this.revision;
-      void this.#loader.ask(revision, address).then((answer) => this.#receive(revision, address, answer));
+      void this.#loader.ask(revision, address).then((answer) => {
+        this.#receive(revision, address, answer);
+        this.#ask();
+      });
     }
   }
 
@@ -250,7 +253,7 @@ export class Terrain {
   /** Asks of every block that may have changed whether it has; once all is known, the new heights are written. */
   #check(): void {
     const target = this.#target;
-    if (!target) return;
+    if (!target || this.#phase !== 'fetching') return;
     let open = 0;
     for (const block of this.#blocks.values()) {
       const may = target.changed === undefined || (target.changed && meets(block.address, target.changed));
@@ -264,6 +267,7 @@ export class Terrain {
         if (!answer) return; // asked again
         block.next = answer.heights ?? block.now;
         block.nextTag = answer.tag;
+        this.#check();
       });
     }
     if (open === 0) this.#write(target);
