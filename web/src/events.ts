@@ -49,49 +49,88 @@ const LONGEST_WAIT_MS = 15_000;
 export interface Listener {
   /** A message came. */
   heard(event: ServerEvent): void;
-  /** The connection stands, for the first time or again: what happened meanwhile was not heard. */
-  opened(again: boolean): void;
-  closed?(): void;
+  /** Something may have happened that was not heard: at the beginning, and after a silence too long for the server's memory. */
+  missed(): void;
 }
 
-/** Follows the server's events until `stop` is called; comes back by itself when the connection is lost. */
+/** Resolves when the page is seen, or when the signal says stop. */
+function seen(signal: AbortSignal): Promise<void> {
+  if (!document.hidden) return Promise.resolve();
+  return new Promise((resolve) => {
+    const end = () => {
+      document.removeEventListener('visibilitychange', end);
+      signal.removeEventListener('abort', end);
+      resolve();
+    };
+    document.addEventListener('visibilitychange', end);
+    signal.addEventListener('abort', end);
+  });
+}
+
+/** Resolves after a while, or at once when the signal says stop. */
+function rest(milliseconds: number, signal: AbortSignal): Promise<void> {
+  return new Promise((resolve) => {
+    const timer = setTimeout(resolve, milliseconds);
+    signal.addEventListener('abort', () => {
+      clearTimeout(timer);
+      resolve();
+    });
+  });
+}
+
+/**
+ * Follows the server's events until `stop` is called. Comes back by itself where it was when the connection is lost, and
+ * lets go of it while the page is hidden: browsers have six for all tabs together.
+ */
 export function listen(path: string, listener: Listener): { stop(): void } {
   const abort = new AbortController();
   void follow(path, listener, abort.signal);
   return { stop: () => abort.abort() };
 }
 
-async function follow(path: string, listener: Listener, signal: AbortSignal): Promise<void> {
-  let again = false;
+async function follow(path: string, listener: Listener, stop: AbortSignal): Promise<void> {
+  let last: string | undefined;
   let wait = FIRST_WAIT_MS;
-  while (!signal.aborted) {
+  while (!stop.aborted) {
+    await seen(stop);
+    const away = new AbortController();
+    const leave = () => (stop.aborted || document.hidden) && away.abort();
+    stop.addEventListener('abort', leave);
+    document.addEventListener('visibilitychange', leave);
     try {
-      const response = await fetch(path, { headers: { Accept: 'text/event-stream', ...authorization() }, cache: 'no-store', signal });
-      // A server without events, or one that wants a key: the page works without them.
-      if (response.status === 404 || response.status === 401 || response.status === 403) return;
+      const back: Record<string, string> = last === undefined ? {} : { 'Last-Event-ID': last };
+      const headers = { Accept: 'text/event-stream', ...back, ...authorization() };
+      const response = await fetch(path, { headers, cache: 'no-store', signal: away.signal });
+      // A server without events, or one that wants another key: the page works without them.
+      if ([401, 403, 404].includes(response.status)) return;
       if (response.ok && response.body) {
-        listener.opened(again);
-        again = true;
         wait = FIRST_WAIT_MS;
-        await read(response.body, listener);
+        if (last === undefined) listener.missed();
+        await read(response.body, (event) => {
+          last = event.id ?? last;
+          if (event.event === 'reset') listener.missed();
+          else listener.heard(event);
+        });
       }
     } catch {
-      // Lost, or stopped by the page; the first is tried again below.
+      // Lost, hidden or stopped; below it is tried again unless the page has stopped it.
+    } finally {
+      stop.removeEventListener('abort', leave);
+      document.removeEventListener('visibilitychange', leave);
     }
-    if (signal.aborted) return;
-    listener.closed?.();
-    await new Promise((resolve) => setTimeout(resolve, wait));
+    if (stop.aborted || document.hidden) continue;
+    await rest(wait, stop);
     wait = Math.min(LONGEST_WAIT_MS, wait * 2);
   }
 }
 
-async function read(body: ReadableStream<Uint8Array>, listener: Listener): Promise<void> {
+async function read(body: ReadableStream<Uint8Array>, heard: (event: ServerEvent) => void): Promise<void> {
   const parser = new EventParser();
   const decoder = new TextDecoder();
   const reader = body.getReader();
   for (;;) {
     const { done, value } = await reader.read();
     if (done) return;
-    for (const event of parser.push(decoder.decode(value, { stream: true }))) listener.heard(event);
+    for (const event of parser.push(decoder.decode(value, { stream: true }))) heard(event);
   }
 }

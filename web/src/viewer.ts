@@ -4,10 +4,13 @@ import { ask } from './dialog.ts';
 import { DrawPanel } from './drawing/panel.ts';
 import { Editor } from './editor.ts';
 import { STARTER } from './fields.ts';
+import { listen, type ServerEvent } from './events.ts';
 import { formatLink, parseLink, type Link, type Overlay } from './link.ts';
 import { TerrainMap, type View } from './map.ts';
 import { Notice } from './notice.ts';
+import { toMetres } from './mercator.ts';
 import { OverlayControl } from './overlay-control.ts';
+import { PlayControl } from './play-control.ts';
 import { Readout } from './readout.ts';
 import { showScale } from './scale.ts';
 import { Studio } from './studio/studio.ts';
@@ -19,6 +22,8 @@ type Panel = 'edit' | 'draw';
 /** What the server says when it is busy; it is asked again after a while. */
 const BUSY = [429, 503];
 const BUSY_WAIT_MS = 2000;
+/** Within this time what is heard of may have been saved here. */
+const OWN_SAVE_MS = 300;
 
 function find<E extends HTMLElement>(selector: string): E {
   const found = document.querySelector<E>(selector);
@@ -45,10 +50,15 @@ export class Viewer {
     created: (name) => void this.#showCreated(name),
   });
   readonly #control = new ViewControl(find('#height'), (view) => this.#changeView(view));
+  readonly #playControl = new PlayControl(() => this.#play());
   readonly #overlayControl = new OverlayControl((overlays) => this.#changeView({ overlays }));
   #terrain: TerrainMap | undefined;
   #drawing: DrawPanel | undefined;
   #world: string | undefined;
+  /** Of the world that is shown, as far as is known. */
+  #revision: string | undefined;
+  #renewal: Promise<void> = Promise.resolve();
+  #events: { stop(): void } | undefined;
   #opening = 0;
   #retry: number | undefined;
 
@@ -81,6 +91,7 @@ export class Viewer {
     this.#select.replaceChildren(...options);
     this.#select.disabled = worlds.length === 0;
     if (this.#world) this.#select.value = this.#world;
+    this.#revision = worlds.find(({ name }) => name === this.#world)?.revision;
     return worlds;
   }
 
@@ -102,6 +113,8 @@ export class Viewer {
       const [stored, style] = await Promise.all([readWorld(name), readStyle(name)]);
       if (opening !== this.#opening) return; // another world was chosen meanwhile
       this.#world = name;
+      this.#revision = stored.etag.replaceAll('"', '');
+      this.#listenTo(name);
       this.#editor.load(name, stored);
       this.#panels.edit.button.disabled = false;
       this.#notice.clear();
@@ -137,6 +150,7 @@ export class Viewer {
     const { map } = terrain;
     map.addControl(this.#control, 'top-right');
     map.addControl(this.#overlayControl, 'top-right');
+    map.addControl(this.#playControl, 'top-right');
     map.addControl(new AttributionControl({ compact: true }), 'top-right');
     map.getCanvas().setAttribute('aria-label', 'Map of the terrain: arrow keys move, plus and minus zoom, Shift with arrows turns and tilts');
     map.on('dataloading', () => this.#stage.setAttribute('aria-busy', 'true'));
@@ -149,8 +163,48 @@ export class Viewer {
     showScale(map, find('#scale'));
   }
 
+  /** Hears of changes that others make to the world that is shown. */
+  #listenTo(name: string): void {
+    this.#events?.stop();
+    this.#events = listen(`events?world=${name}`, {
+      heard: (event) => void this.#hear(name, event),
+      missed: () => void this.#compare(name),
+    });
+  }
+
+  async #hear(name: string, { event, data }: ServerEvent): Promise<void> {
+    if (event !== 'world' && event !== 'generation') return;
+    const { revision } = JSON.parse(data) as { revision?: string | null };
+    // What was saved here is on its way to the map already.
+    await new Promise((resolve) => setTimeout(resolve, OWN_SAVE_MS));
+    await this.#renewal;
+    if (name !== this.#world || revision === this.#revision) return;
+    if (!revision) return this.#notice.error(`The world "${name}" has been deleted.`);
+    await this.#compare(name);
+  }
+
+  /** Shows what others have made of the world, also in the form unless something in it would be lost. */
+  async #compare(name: string): Promise<void> {
+    const stored = await readWorld(name).catch(() => undefined);
+    if (!stored || name !== this.#world || stored.etag.replaceAll('"', '') === this.#revision) return;
+    this.#drawn(name, stored);
+  }
+
+  /** Goes into the world, where the map's middle is. */
+  #play(): void {
+    if (!this.#world || !this.#terrain) return;
+    const { lon, lat, bearing } = this.#terrain.camera;
+    const { x, y } = toMetres({ lon, lat });
+    location.href = `play.html?world=${this.#world}#at=${x.toFixed(1)},${y.toFixed(1)}&to=${Math.round((bearing + 360) % 360)}`;
+  }
+
   /** Puts the newest revision of the world on the map, seen from where we are. */
-  async #renew(name: string): Promise<void> {
+  #renew(name: string): Promise<void> {
+    this.#renewal = this.#renewNow(name);
+    return this.#renewal;
+  }
+
+  async #renewNow(name: string): Promise<void> {
     this.#stage.setAttribute('aria-busy', 'true');
     try {
       const [style] = await Promise.all([readStyle(name), this.#readCatalog()]);
@@ -338,6 +392,7 @@ export class Viewer {
     const overlay = this.#overlayControl.overlayOf(event.key);
     if (overlay) this.#overlayControl.toggle(overlay);
     else if (event.key === 'b' || event.key === 'B') this.#breed();
+    else if (event.key === 'p' || event.key === 'P') this.#play();
     else if (event.key === 't' || event.key === 'T') this.#control.toggle();
     else if (event.key === 'e' || event.key === 'E' || event.key === 'd' || event.key === 'D') {
       event.preventDefault(); // or the letter would land in the form

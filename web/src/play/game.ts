@@ -19,6 +19,10 @@ const MOST_REFINEMENT = 2;
 const PHONE_REFINEMENT = 1.6;
 const PULSE_S = 1.4;
 const SHOW_MS = 250;
+const SAVED_MS = 150;
+/** Motion is reckoned in steps no longer than this, and no more than so many a picture. */
+const STEP_S = 0.05;
+const LONGEST_S = 0.5;
 
 const reduced = matchMedia('(prefers-reduced-motion: reduce)');
 
@@ -78,7 +82,7 @@ export class Game {
       return this.#notice.error(error instanceof Error ? error.message : String(error), { label: 'Try again', run: () => location.reload() });
     }
     this.#walker.turn(heading, -0.06);
-    listen('events', { heard: (event) => this.#hear(event), opened: (again) => again && void this.#catchUp() });
+    listen(`events?world=${world}`, { heard: (event) => this.#hear(event), missed: () => void this.#catchUp() });
     requestAnimationFrame((now) => this.#frame(now));
   }
 
@@ -128,13 +132,22 @@ export class Game {
     const news = JSON.parse(data) as Partial<GenerationNews>;
     if (news.world !== this.#world) return;
     if (event === 'generation' && this.#life) this.#life.news(news as GenerationNews);
-    else if (event === 'world' && news.revision) this.#renew(news.revision, undefined);
+    else if (event === 'world' && news.revision) this.#saved(news.revision);
   }
 
-  /** The connection was lost for a while. */
+  /** A generation is a save, too, and says more about it: what it says is waited for. */
+  #saved(revision: string): void {
+    window.setTimeout(() => {
+      if (!this.#terrain.knows(revision)) this.#renew(revision, undefined);
+    }, SAVED_MS);
+  }
+
+  /** Nobody listened for a while. */
   async #catchUp(): Promise<void> {
     const { etag } = await readWorld(this.#world).catch(() => ({ etag: '' }));
-    if (etag) this.#renew(etag.replaceAll('"', ''), undefined);
+    const revision = etag.replaceAll('"', '');
+    if (!revision || this.#terrain.knows(revision)) return;
+    this.#renew(revision, undefined);
     await this.#life?.refresh();
   }
 
@@ -148,7 +161,7 @@ export class Game {
   #frame(now: number): void {
     requestAnimationFrame((next) => this.#frame(next));
     const apart = now - this.#before;
-    const seconds = Math.min(0.1, Math.max(0, apart) / 1000);
+    const seconds = Math.min(LONGEST_S, Math.max(0, apart) / 1000);
     this.#before = now;
     if (document.hidden) return;
     const begun = performance.now();
@@ -170,7 +183,8 @@ export class Game {
       this.#stands = true;
       this.#walker.eye = below + EYES;
     }
-    this.#walker.step(this.#controls.wish(seconds), seconds, this.#ground);
+    const steps = Math.ceil(seconds / STEP_S);
+    for (let i = 0; i < steps; i++) this.#walker.step(this.#controls.wish(seconds / steps), seconds / steps, this.#ground);
     // Until the ground is as fine as it gets, where one stands is not told to anybody.
     if (this.#stage.dataset['ready']) this.#life?.at(this.#walker.place, !this.#walker.flying);
   }

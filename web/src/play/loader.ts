@@ -8,8 +8,8 @@ export interface Heights {
   tag: string;
 }
 
-/** Questions at a time: browsers let six through to a server of HTTP/1.1. */
-export const AT_ONCE = 6;
+/** Questions at a time: browsers let six through to a server of HTTP/1.1, and one is for its events. */
+export const AT_ONCE = 5;
 const BUSY = [429, 503];
 const BUSY_WAIT_MS = 1000;
 
@@ -37,17 +37,17 @@ export class Loader {
     return this.#asked.has(`${revision}/${keyOf(address)}`);
   }
 
-  /** Asks for the heights of a block, or whether they are still those of `tag`. Resolves to nothing when there was no answer. */
-  async ask(revision: string, address: Address, tag = ''): Promise<Heights | undefined> {
+  /** Asks for the heights of a block, or whether they are still those of `tag`, and hands over the answer, or nothing when there was none. */
+  async ask(revision: string, address: Address, tag: string, take: (answer: Heights | undefined) => void): Promise<void> {
     const key = `${revision}/${keyOf(address)}`;
     this.#asked.add(key);
     this.#open++;
     try {
-      return await this.#read(revision, address, tag);
+      take(await this.#read(revision, address, tag));
     } catch (error) {
       this.#pausedUntil = performance.now() + BUSY_WAIT_MS;
       this.failed(error instanceof Error ? error : new Error(String(error)));
-      return undefined;
+      take(undefined);
     } finally {
       this.#open--;
       this.#asked.delete(key);

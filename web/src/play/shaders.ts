@@ -129,7 +129,7 @@ float grain(float far) {
   sum += (value_noise(plane / 97.0) - 0.5) * 0.34;
   sum += (value_noise(plane / 23.0 + 7.0) - 0.5) * 0.26 * exp(-far / 2500.0);
   sum += (value_noise(plane / 3.1 + 3.0) - 0.5) * 0.26 * exp(-far / 330.0);
-  sum += (value_noise(plane / 0.43 + 5.0) - 0.5) * 0.34 * exp(-far / 42.0);
+  sum += (value_noise(plane / 0.43 + 5.0) - 0.5) * 0.34 * exp(-far / 24.0);
   return 1.0 + sum;
 }
 
@@ -171,7 +171,7 @@ vec3 water(vec3 view, vec3 bed, float far) {
 /** A line on the ground around a place. */
 float circle(vec4 around, float width) {
   float far = distance(offset.xz, around.xy);
-  float line = max(width, 1.6 * fwidth(far));
+  float line = max(width, 0.0022 * length(offset)); // two pixels
   return around.w * (1.0 - smoothstep(0.5 * line, line, abs(far - around.z)));
 }
 

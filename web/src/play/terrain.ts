@@ -105,9 +105,14 @@ export class Terrain {
     return undefined;
   }
 
+  /** Whether the ground is of a revision, or on its way there. */
+  knows(revision: string): boolean {
+    return [this.revision, this.#target?.revision, this.#queued?.revision].includes(revision);
+  }
+
   /** The world has another revision; what is known to have changed, or undefined if it may be anything. */
   renew(revision: string, changed: Changed): void {
-    if (revision === this.revision && !this.#target && !this.#queued) return;
+    if ((this.#queued ?? this.#target)?.revision === revision || (revision === this.revision && !this.#target && !this.#queued)) return;
     const before = this.#queued ?? (this.#phase === 'fetching' ? this.#target : undefined);
     this.#queued = { revision, changed: before ? together(before.changed, changed) : changed };
   }
@@ -171,10 +176,7 @@ export class Terrain {
       if (!this.#loader.free) return;
       if (this.#find(address) || this.#loader.asks(this.revision, address)) continue;
       const revision = this.revision;
-      void this.#loader.ask(revision, address).then((answer) => {
-        this.#receive(revision, address, answer);
-        this.#ask();
-      });
+      void this.#loader.ask(revision, address, '', (answer) => this.#receive(revision, address, answer)).then(() => this.#ask());
     }
   }
 
@@ -261,14 +263,14 @@ export class Terrain {
       open++;
       if (!this.#loader.free || this.#checked.has(block)) continue;
       this.#checked.add(block);
-      void this.#loader.ask(target.revision, block.address, block.tag).then((answer) => {
+      const take = (answer: Heights | undefined) => {
         if (this.#target !== target) return;
         this.#checked.delete(block);
         if (!answer) return; // asked again
         block.next = answer.heights ?? block.now;
         block.nextTag = answer.tag;
-        this.#check();
-      });
+      };
+      void this.#loader.ask(target.revision, block.address, block.tag, take).then(() => this.#check());
     }
     if (open === 0) this.#write(target);
   }
