@@ -2,6 +2,7 @@
 
 use super::{
     error::{ApiError, Entry},
+    events::Event,
     extract::Asker,
     parts::New,
     players::Held,
@@ -53,8 +54,8 @@ pub(super) struct Changed {
     pub live: Arc<Live>,
     pub layer: String,
     pub generation: Arc<Generation>,
-    /// What changed for samples as far apart as nodes, or nothing.
-    pub area: Option<Rectangle>,
+    /// Least x, least y, greatest x, greatest y of what changed for samples as far apart as nodes, in metres; none if nothing did.
+    pub changed: Option<[f64; 4]>,
     /// What its heights are off those that were asked for.
     pub deviation: Option<f64>,
 }
@@ -191,8 +192,20 @@ async fn save(app: &App, live: &Live, (i, layer): (usize, &str), old: &Arc<Gener
     let document = parsed.map_err(|error| ApiError::document(Kind::World, error))?;
     let condition = Condition::At(vec![live.revision().to_string()]);
     let (_, live) = shelf.save_with(&live.name, document, Beside { generations: &new, ..Beside::default() }, &condition).await?;
-    let is_changed = generation.hash() != old.hash() && area.min[0] <= area.max[0] && area.min[1] <= area.max[1];
-    Ok(Changed { live, layer: layer.to_owned(), generation, area: is_changed.then_some(area), deviation })
+    let changed = generation.hash() != old.hash() && area.min[0] <= area.max[0] && area.min[1] <= area.max[1];
+    let changed = changed.then(|| [area.min[0], area.min[1], area.max[0], area.max[1]]);
+    let told = Event::Generation {
+        world: live.name.clone(),
+        layer: layer.to_owned(),
+        number: generation.number(),
+        hash: generation.hash().to_owned(),
+        revision: live.revision().to_string(),
+        changed,
+    };
+    if generation.hash() != old.hash() {
+        app.0.events.send(told);
+    }
+    Ok(Changed { live, layer: layer.to_owned(), generation, changed, deviation })
 }
 
 /// Shows another generation of a world's layer that was bred before. Refused while a player is there.

@@ -3,6 +3,7 @@
 use super::{
     compute::{Compute, Panicked},
     error::ApiError,
+    events::{Event, Events},
 };
 use crate::{
     geometry::Stop,
@@ -43,6 +44,7 @@ struct Open {
 struct Shared {
     store: Store,
     compute: Compute,
+    events: Arc<Events>,
     open: Mutex<Open>,
     changed: Notify,
     closing: AtomicBool,
@@ -105,29 +107,38 @@ impl Shared {
                 self.changed.notified().await;
                 continue;
             };
+            self.tell(&task.id, "running", 0.0);
             let working = Arc::clone(&task);
             let end = self.compute.run(move || working.work()).await;
             let end = end.unwrap_or_else(|Panicked| End::Failed("the evaluation failed; the server's log says why".to_owned()));
-            let kept = match end {
-                End::Made(raster) => self.store.finish(&task.id, &raster).await,
+            let (kept, state) = match end {
+                End::Made(raster) => (self.store.finish(&task.id, &raster).await, "done"),
                 End::Failed(failure) => {
                     tracing::warn!(job = task.id, failure, "a job failed");
-                    self.store.fail(&task.id, &failure).await
+                    (self.store.fail(&task.id, &failure).await, "failed")
                 }
                 // Forgotten, or to be done when the server is there again.
-                End::Stopped => Ok(()),
+                End::Stopped => (Ok(()), "stopped"),
             };
-            if let Err(error) = kept {
-                tracing::error!(job = task.id, %error, "the end of a job could not be stored: it will be done again when the server starts");
+            let share = if state == "done" { 1.0 } else { task.share() };
+            match kept {
+                Ok(()) => self.tell(&task.id, state, share),
+                Err(error) => {
+                    tracing::error!(job = task.id, %error, "the end of a job could not be stored: it will be done again when the server starts");
+                }
             }
             self.open().running = None;
         }
+    }
+
+    fn tell(&self, job: &str, state: &'static str, progress: f64) {
+        self.events.send(Event::Job { job: job.to_owned(), state, progress });
     }
 }
 
 impl Jobs {
     /// Takes up the jobs that the store knows to be open.
-    pub(super) async fn load(store: Store, compute: Compute, most: usize) -> Result<Self, StoreError> {
+    pub(super) async fn load(store: Store, compute: Compute, events: &Arc<Events>, most: usize) -> Result<Self, StoreError> {
         let mut open = Open::default();
         for JobEntry { id, work, .. } in store.open_jobs().await? {
             match Work::parse(work.as_bytes()) {
@@ -135,7 +146,8 @@ impl Jobs {
                 Err(error) => store.fail(&id, &error.to_string()).await?,
             }
         }
-        let shared = Arc::new(Shared { store, compute, open: Mutex::new(open), changed: Notify::new(), closing: AtomicBool::new(false) });
+        let shared =
+            Arc::new(Shared { store, compute, events: Arc::clone(events), open: Mutex::new(open), changed: Notify::new(), closing: AtomicBool::new(false) });
         let runner = tokio::spawn(Arc::clone(&shared).run());
         Ok(Self { shared, runner: Mutex::new(Some(runner)), most })
     }

@@ -7,6 +7,7 @@ use super::{
     compute::Compute,
     config::{Config, Reads},
     editing::Editing,
+    events::Events,
     evolving::Evolving,
     exports::Exports,
     jobs::Jobs,
@@ -51,6 +52,7 @@ pub(super) struct AppState {
     pub editing: Editing,
     pub evolving: Evolving,
     pub players: Players,
+    pub events: Arc<Events>,
     pub keys: Keys,
     pub budgets: Budgets,
     pub proxies: usize,
@@ -97,11 +99,12 @@ impl App {
         let store = Store::open(&config.server.data).await.map_err(|error| load(error.into()))?;
         let old_revisions = NonZeroUsize::new(config.cache.old_revisions).unwrap_or(NonZeroUsize::MIN);
         let parts = Arc::new(StoredParts::new(store.clone()));
-        let worlds = Worlds::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts), old_revisions).await.map_err(load)?;
-        let library = library::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts)).await.map_err(load)?;
+        let events = Arc::new(Events::new());
+        let worlds = Worlds::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts), &events, old_revisions).await.map_err(load)?;
+        let library = library::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts), &events).await.map_err(load)?;
         let jobs = Compute::last("job", config.server.threads)?;
-        let jobs = Jobs::load(store.clone(), jobs, config.limits.jobs).await.map_err(|error| load(error.into()))?;
-        let breeding = breeding::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts)).await.map_err(load)?;
+        let jobs = Jobs::load(store.clone(), jobs, &events, config.limits.jobs).await.map_err(|error| load(error.into()))?;
+        let breeding = breeding::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts), &events).await.map_err(load)?;
         let mut tiles = Tiles::new(compute, Arc::clone(&metrics), config.cache.tile_bytes, config.limits.queue_ms);
         if config.cache.disk_bytes > 0 {
             tiles.keep_on_disk(&config.server.data.join("tile-cache"), config.cache.disk_bytes).await?;
@@ -123,6 +126,7 @@ impl App {
             editing: Editing::new(),
             evolving: Evolving::new(),
             players: Players::default(),
+            events,
             keys: Keys::load(store.clone()).await.map_err(|error| load(error.into()))?,
             budgets: Budgets::new(&config.limits),
             proxies: config.server.proxies,
@@ -148,6 +152,7 @@ impl App {
     /// Says from now on that no new requests should come.
     pub fn drain(&self) {
         self.0.draining.store(true, Ordering::Relaxed);
+        self.0.events.close();
     }
 
     pub(super) fn is_draining(&self) -> bool {

@@ -2,13 +2,14 @@
 
 use super::{
     compute::Compute,
+    events::{Event, Events},
     parts::StoredParts,
     shelf::{LoadError, Shelf, Shelved, shipped},
     state::App,
 };
 use crate::{
     store::{Condition, Content, Kind, Store},
-    world::{Document, DocumentError, EXAMPLES, PartNames, Parts, Revision, Survey, World},
+    world::{Document, DocumentError, EXAMPLES, Layer, PartNames, Parts, Revision, Survey, World},
 };
 use lru::LruCache;
 use std::{
@@ -16,12 +17,29 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
+/// Most bytes of ground that evolves in old revisions.
+const MOST_EVOLVING_BYTES: usize = 1 << 28;
+
 /// A world ready to be served.
 #[derive(Debug)]
 pub(super) struct Live {
     pub name: String,
     pub world: World,
     pub survey: Survey,
+}
+
+impl Live {
+    /// About how many bytes its generations of ground that evolves take.
+    fn evolving_bytes(&self) -> usize {
+        /// A node and its share of what is seen from afar; a node of a tree.
+        const NODES: [usize; 2] = [6, 8];
+        let bytes = |layer: &Layer| {
+            let ground = layer.generation()?.ground();
+            let [columns, rows] = ground.size();
+            Some(NODES[0] * columns * rows + NODES[1] * ground.populations * ground.lines * ground.nodes)
+        };
+        self.world.document().layers.iter().filter_map(bytes).sum()
+    }
 }
 
 impl Shelved for Live {
@@ -67,6 +85,10 @@ impl Shelved for Live {
         self.world.revision()
     }
 
+    fn event(name: &str, revision: Option<&Revision>) -> Option<Event> {
+        Some(Event::World { world: name.to_owned(), revision: revision.map(ToString::to_string) })
+    }
+
     fn shelf(app: &App) -> &Shelf<Self> {
         &app.0.worlds.shelf
     }
@@ -82,7 +104,13 @@ pub(super) struct Worlds {
 
 impl Worlds {
     /// Loads every world; a store that never held any gets the examples first.
-    pub(super) async fn load(store: Store, compute: Arc<Compute>, parts: Arc<StoredParts>, old_revisions: NonZeroUsize) -> Result<Self, LoadError> {
+    pub(super) async fn load(
+        store: Store,
+        compute: Arc<Compute>,
+        parts: Arc<StoredParts>,
+        events: &Arc<Events>,
+        old_revisions: NonZeroUsize,
+    ) -> Result<Self, LoadError> {
         let mut documents = Vec::new();
         if store.is_empty(Kind::World).await? {
             for example in EXAMPLES {
@@ -91,7 +119,7 @@ impl Worlds {
                 documents.push(document);
             }
         }
-        Ok(Self { shelf: Shelf::load(store, compute, parts).await?, old: Mutex::new(LruCache::new(old_revisions)) })
+        Ok(Self { shelf: Shelf::load(store, compute, parts, events).await?, old: Mutex::new(LruCache::new(old_revisions)) })
     }
 
     /// A world as it was at a revision; `None` if it is gone or never was there.
@@ -106,7 +134,12 @@ impl Worlds {
         }
         let live = self.shelf.read(name, revision).await?;
         if let Some(live) = &live {
-            self.old().put(key, Arc::clone(live));
+            let mut old = self.old();
+            old.put(key, Arc::clone(live));
+            // Each has generations of its own of ground that evolves.
+            while old.len() > 1 && old.iter().map(|(_, live)| live.evolving_bytes()).sum::<usize>() > MOST_EVOLVING_BYTES {
+                old.pop_lru();
+            }
         }
         Ok(live)
     }

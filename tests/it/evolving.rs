@@ -122,7 +122,7 @@ async fn what_is_wrong_changes_nothing() {
     let none = post(&client, "/worlds/hills/feedback", &json!({"heights": [100]})).await;
     assert_eq!(none.problem(), "422 /layer: the world has no adaptive layer");
     let after = client.get("/worlds/live").await;
-    assert_eq!((after.body, after.header("etag")), (before.body, before.header("etag")));
+    assert_eq!((&after.body, after.header("etag")), (&before.body, before.header("etag")));
 
     // Documents name what is wrong in them.
     let put = async |ground: Value, generation: Value, problem: &str| {
@@ -166,7 +166,7 @@ async fn one_can_go_back_and_on_from_there() {
     let back = go(hashes[3].clone()).await.json();
     assert_eq!(back["generation"]["number"], 3);
     let again = client.get(tile).await;
-    assert_eq!((again.header("etag"), again.body), (newest.header("etag"), newest.body));
+    assert_eq!((again.header("etag"), &again.body), (newest.header("etag"), &newest.body));
     go(json!(0)).await;
     assert_eq!(shown().await, hashes[0]);
     // The same feedback of the same generation is the same generation.

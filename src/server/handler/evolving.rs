@@ -78,13 +78,13 @@ fn read<T: DeserializeOwned>(body: &[u8]) -> Result<T, ApiError> {
 }
 
 fn answer(changed: Changed) -> Response {
-    let Changed { live, layer, generation, area, deviation } = changed;
+    let Changed { live, layer, generation, changed, deviation } = changed;
     let revision = live.revision().to_string();
     let body = FedSchema {
         layer,
         generation: GenerationName { hash: generation.hash().to_owned(), number: generation.number() },
         revision: revision.clone(),
-        changed: area.map(|area| [area.min[0], area.min[1], area.max[0], area.max[1]]),
+        changed,
         deviation,
     };
     tagged(Json(body), &revision, Freshness::Revalidate)

@@ -73,7 +73,8 @@ pub(super) fn shown(generation: &Generation, mask: Option<&Mask>, at: &str, chec
         }
         return mask.clone();
     }
-    Mask { polygon: area.corners().into() }
+    let [southwest, southeast, northwest, northeast] = area.corners();
+    Mask { polygon: vec![southwest, southeast, northeast, northwest] }
 }
 
 /// Metres inside the border over which a generation comes up where its layer does not say so.
