@@ -16,7 +16,7 @@ pub(crate) enum KeyCommand {
     New {
         /// Whose it is, for people
         name: String,
-        /// What it is for: read, write (which reads too) or admin (which does all)
+        /// What it is for: read, play (which reads too), write (which plays too) or admin (which does all)
         #[arg(long, default_value_t = Scope::Write)]
         scope: Scope,
         #[command(flatten)]

@@ -43,5 +43,10 @@ pub(crate) fn world(name: &str, data: Option<&Path>) -> anyhow::Result<World> {
             parts.insert_raster(name, Arc::new(raster));
         }
     }
+    for hash in names.generations {
+        if let Some(stored) = runtime.block_on(store.generation(&hash))? {
+            parts.insert_generation(Arc::new(stored.read().with_context(|| format!("the stored generation {hash}"))?));
+        }
+    }
     Ok(World::new(Document::parse_stored(stored.body.as_bytes(), &parts).with_context(|| format!("the stored world {name}"))?))
 }

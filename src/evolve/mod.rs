@@ -13,7 +13,9 @@ mod record;
 mod tests;
 mod vocabulary;
 
-pub use adaptive::{Adaptive, AdaptiveTerrain, Feedback, Ground, HISTORY_FORM, History, MAX_HISTORY, MAX_LATTICE, MAX_POSITIONS, Players, Step};
+pub use adaptive::{
+    Adaptive, AdaptiveTerrain, Feedback, Generation, Ground, HISTORY_FORM, History, MAX_HISTORY, MAX_LATTICE, MAX_POSITIONS, MAX_TREES, Players, Step,
+};
 pub use aim::{Aim, Judgement};
 pub use breeding::{Bred, FIRST_DEPTH, ONE_PARENT_MUTATION, Origin, POPULATION, Session, TWO_PARENTS_CROSSOVER};
 pub use budget::Budget;

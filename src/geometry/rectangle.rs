@@ -28,6 +28,12 @@ impl Rectangle {
         Self { min: [self.min[0].min(other.min[0]), self.min[1].min(other.min[1])], max: [self.max[0].max(other.max[0]), self.max[1].max(other.max[1])] }
     }
 
+    /// What lies in both.
+    #[must_use]
+    pub fn meet(self, other: &Self) -> Self {
+        Self { min: [self.min[0].max(other.min[0]), self.min[1].max(other.min[1])], max: [self.max[0].min(other.max[0]), self.max[1].min(other.max[1])] }
+    }
+
     /// The rectangle with every side moved outwards by `offset` metres.
     #[must_use]
     pub fn grown(self, offset: f64) -> Self {

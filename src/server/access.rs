@@ -134,7 +134,7 @@ fn may(app: &App, needed: Scope, headers: &HeaderMap, known: &Known) -> Result<(
         let scope = known.scopes.get(&hash_of(secret)).ok_or(ApiError::Unauthorized("There is no such key, or it was taken back."))?;
         return if *scope >= needed { Ok(()) } else { Err(ApiError::Scope(needed)) };
     }
-    if needed != Scope::Write || !known.scopes.is_empty() {
+    if !matches!(needed, Scope::Play | Scope::Write) || !known.scopes.is_empty() {
         return Err(ApiError::Unauthorized("This needs a key (Authorization: Bearer KEY) or a signed address."));
     }
     if !app.0.is_local || !is_local(headers) {
@@ -152,8 +152,15 @@ pub(super) fn needed(method: &Method, path: &str, reads: Reads) -> Option<Scope>
         Method::POST if path.starts_with("/worlds/") && (path.ends_with("/elevation") || path.ends_with("/accessibility")) => {
             (reads == Reads::Keys).then_some(Scope::Read)
         }
+        _ if is_play(path) => Some(Scope::Play),
         _ => Some(Scope::Write),
     }
+}
+
+/// Whether a path is one that players write to.
+fn is_play(path: &str) -> bool {
+    let Some((_, rest)) = path.strip_prefix("/worlds/").and_then(|path| path.split_once('/')) else { return false };
+    rest == "feedback" || rest.starts_with("players/")
 }
 
 /// Whether a path is one of what keys and budgets guard.

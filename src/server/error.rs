@@ -33,6 +33,8 @@ pub(super) enum ApiError {
     InvalidWork(Vec<Entry>),
     /// The document was understood and is wrong.
     Invalid(Kind, Vec<Entry>),
+    /// Feedback, or what goes with it, was understood and is wrong.
+    InvalidFeedback(Vec<Entry>),
     /// Features were understood and are wrong.
     InvalidFeatures(Vec<Entry>),
     /// A web page of another origin tries to write.
@@ -89,6 +91,11 @@ impl ApiError {
         Self::wrong(error, ApiError::InvalidWork)
     }
 
+    /// Why feedback is not taken.
+    pub(super) fn feedback(error: DocumentError) -> Self {
+        Self::wrong(error, ApiError::InvalidFeedback)
+    }
+
     fn wrong(error: DocumentError, invalid: impl FnOnce(Vec<Entry>) -> Self) -> Self {
         match error {
             DocumentError::Syntax(detail) => ApiError::BadRequest(format!("The body is not JSON: {detail}."), Vec::new()),
@@ -119,6 +126,10 @@ impl ApiError {
             ApiError::InvalidWork(errors) => {
                 let detail = format!("What is asked for has {} problem{}; nothing was stored.", errors.len(), if errors.len() == 1 { "" } else { "s" });
                 (StatusCode::UNPROCESSABLE_ENTITY, "invalid-job", detail, errors)
+            }
+            ApiError::InvalidFeedback(errors) => {
+                let detail = format!("What is asked for has {} problem{}; nothing was changed.", errors.len(), if errors.len() == 1 { "" } else { "s" });
+                (StatusCode::UNPROCESSABLE_ENTITY, "invalid-feedback", detail, errors)
             }
             ApiError::InvalidFeatures(errors) => {
                 let detail = format!("The features have {} problem{}; nothing was stored.", errors.len(), if errors.len() == 1 { "" } else { "s" });
@@ -217,7 +228,9 @@ impl From<LoadError> for ApiError {
     fn from(error: LoadError) -> Self {
         match error {
             LoadError::Store(error) => error.into(),
-            LoadError::Document { .. } | LoadError::Set { .. } | LoadError::Raster { .. } => ApiError::internal("a stored document cannot be read", &error),
+            LoadError::Document { .. } | LoadError::Set { .. } | LoadError::Raster { .. } | LoadError::Generation { .. } => {
+                ApiError::internal("a stored document cannot be read", &error)
+            }
             LoadError::Panicked(Panicked) => ApiError::Internal,
         }
     }

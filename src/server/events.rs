@@ -28,6 +28,17 @@ pub(super) enum Event {
         /// The revision that its name stands for now; none if it is gone.
         revision: Option<String>,
     },
+    /// A layer of ground that evolves shows another generation.
+    Generation {
+        world: String,
+        layer: String,
+        number: usize,
+        hash: String,
+        /// The world's revision that shows it, which is told as an event of the world before.
+        revision: String,
+        /// Least x, least y, greatest x, greatest y of what changed, in metres; none if nothing did.
+        changed: Option<[f64; 4]>,
+    },
     /// A job began, went on, or ended.
     Job { job: String, state: &'static str, progress: f64 },
 }
@@ -37,6 +48,7 @@ impl Event {
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Self::World { .. } => "world",
+            Self::Generation { .. } => "generation",
             Self::Job { .. } => "job",
         }
     }
@@ -47,7 +59,7 @@ impl Event {
         let of = |wanted: &Option<String>, name: &str| wanted.as_deref() == Some(name);
         everything
             || match self {
-                Self::World { world: name, .. } => of(world, name),
+                Self::World { world: name, .. } | Self::Generation { world: name, .. } => of(world, name),
                 Self::Job { job: name, .. } => of(job, name),
             }
     }

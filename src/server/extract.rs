@@ -181,6 +181,25 @@ impl FromRequestParts<App> for FeatureAt {
     }
 }
 
+/// A player's address: the name of its world, which may not be there, and its own.
+pub(super) struct PlayerAt {
+    pub world: String,
+    pub player: String,
+}
+
+impl FromRequestParts<App> for PlayerAt {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, ApiError> {
+        let parameters = Parameters::of(parts).await?;
+        let [world, player] = ["world", "player"].map(|name| (name, parameters.get(name).to_owned()));
+        for (name, value) in [&world, &player] {
+            check_name("a name", value).map_err(|detail| ApiError::parameter(name, detail))?;
+        }
+        Ok(Self { world: world.1, player: player.1 })
+    }
+}
+
 fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
     let (distance, near) = candidates.map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate)).min()?;
     (distance <= 2).then(|| near.to_owned())

@@ -2,13 +2,14 @@
 
 use super::{
     error::{ApiError, Entry},
+    parts::New,
     shelf::Shelved,
     state::App,
     worlds::Live,
 };
 use crate::{
     layout::geojson::{Collection, FeatureSet, Problem, Sets},
-    store::{Condition, Kind},
+    store::{Beside, Condition, Kind},
     world,
 };
 use axum::body::Bytes;
@@ -100,10 +101,10 @@ pub(super) async fn change<T: Send + 'static>(
                 Ok::<_, ApiError>((set, stored, document.to_string(), answer))
             })
             .await??;
-        let new = Some((stored.name.clone(), Arc::new(set)));
+        let new = Some(New::Set(stored.name.clone(), Arc::new(set)));
         let document = shelf.parse(Bytes::from(json), new).await?.map_err(|error| ApiError::document(Kind::World, error))?;
         let condition = Condition::At(vec![live.revision().to_string()]);
-        let (_, live) = shelf.save_with(&name, document, Some(&stored), &condition).await?;
+        let (_, live) = shelf.save_with(&name, document, Beside { set: Some(&stored), ..Beside::default() }, &condition).await?;
         Ok((live, answer))
     });
     match task.await {

@@ -2,6 +2,7 @@
 
 use super::{compute::Compute, shelf::LoadError};
 use crate::{
+    evolve::Generation,
     geometry::Raster,
     layout::geojson::FeatureSet,
     store::Store,
@@ -38,18 +39,27 @@ pub(super) struct StoredParts {
     store: Store,
     sets: Known<FeatureSet>,
     rasters: Known<Raster>,
+    generations: Known<Generation>,
+}
+
+/// A part that is not stored yet.
+pub(super) enum New {
+    Set(String, Arc<FeatureSet>),
+    Generation(Arc<Generation>),
 }
 
 impl StoredParts {
     pub(super) fn new(store: Store) -> Self {
-        Self { store, sets: Known::new(), rasters: Known::new() }
+        Self { store, sets: Known::new(), rasters: Known::new(), generations: Known::new() }
     }
 
-    /// The parts of these names, as far as they are stored, and a new set that is not.
-    pub(super) async fn find(&self, compute: &Compute, names: PartNames, new: Option<(String, Arc<FeatureSet>)>) -> Result<Parts, LoadError> {
+    /// The parts of these names, as far as they are stored, and a new part that is not.
+    pub(super) async fn find(&self, compute: &Compute, names: PartNames, new: Option<New>) -> Result<Parts, LoadError> {
         let mut found = Parts::default();
-        if let Some((name, set)) = &new {
-            self.sets.remember(name, set);
+        match &new {
+            Some(New::Set(name, set)) => self.sets.remember(name, set),
+            Some(New::Generation(generation)) => self.generations.remember(generation.hash(), generation),
+            None => {}
         }
         for name in names.sets {
             if let Some(set) = self.set(compute, &name).await? {
@@ -61,7 +71,24 @@ impl StoredParts {
                 found.insert_raster(name, raster);
             }
         }
+        for hash in names.generations {
+            if let Some(generation) = self.generation(compute, &hash).await? {
+                found.insert_generation(generation);
+            }
+        }
         Ok(found)
+    }
+
+    /// The generation of a hash, if it is stored; bred again where that is needed.
+    pub(super) async fn generation(&self, compute: &Compute, hash: &str) -> Result<Option<Arc<Generation>>, LoadError> {
+        if let Some(generation) = self.generations.get(hash) {
+            return Ok(Some(generation));
+        }
+        let Some(stored) = self.store.generation(hash).await? else { return Ok(None) };
+        let read = compute.run(move || stored.read()).await?;
+        let generation = Arc::new(read.map_err(|error| LoadError::Generation { hash: hash.to_owned(), error })?);
+        self.generations.remember(hash, &generation);
+        Ok(Some(generation))
     }
 
     async fn set(&self, compute: &Compute, name: &str) -> Result<Option<Arc<FeatureSet>>, LoadError> {

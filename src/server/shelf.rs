@@ -3,12 +3,12 @@
 use super::{
     compute::{Compute, Panicked},
     events::{Event, Events},
-    parts::StoredParts,
+    parts::{New, StoredParts},
     state::App,
 };
 use crate::{
-    layout::geojson::{FeatureSet, ReadError, StoredSet},
-    store::{Condition, Content, Kind, RevisionEntry, Saved, Store, StoreError},
+    layout::geojson::ReadError,
+    store::{Beside, Condition, Content, GenerationError, Kind, RevisionEntry, Saved, Store, StoreError},
     world::{DocumentError, PartNames, Parts, RasterError, Revision},
 };
 use arc_swap::ArcSwap;
@@ -87,6 +87,14 @@ pub(crate) enum LoadError {
         /// What is wrong with it.
         error: RasterError,
     },
+    /// A stored generation of adaptive terrain cannot be bred again.
+    #[error("the stored generation {hash:?}: {error}")]
+    Generation {
+        /// Its name.
+        hash: String,
+        /// What is wrong with it.
+        error: GenerationError,
+    },
     /// It could not be evaluated.
     #[error(transparent)]
     Panicked(#[from] Panicked),
@@ -149,28 +157,22 @@ impl<T: Shelved> Shelf<T> {
         self.store.revisions(T::KIND, name).await
     }
 
-    /// Reads a new document, with the stored parts that it names and perhaps a set of features that is not stored yet.
-    pub(super) async fn parse(&self, json: Bytes, new: Option<(String, Arc<FeatureSet>)>) -> Result<Result<T::Document, DocumentError>, LoadError> {
+    /// Reads a new document, with the stored parts that it names and perhaps one that is not stored yet.
+    pub(super) async fn parse(&self, json: Bytes, new: Option<New>) -> Result<Result<T::Document, DocumentError>, LoadError> {
         let parts = self.parts.find(&self.compute, T::named_in(&json), new).await?;
         Ok(self.compute.run(move || T::parse(&json, &parts)).await?)
     }
 
     /// Saves a document, first on disk, then in memory.
     pub(super) async fn save(&self, name: &str, document: T::Document, condition: &Condition) -> Result<(Saved, Arc<T>), LoadError> {
-        self.save_with(name, document, None, condition).await
+        self.save_with(name, document, Beside::default(), condition).await
     }
 
-    /// As [`Shelf::save`], together with a set of features that the document names.
-    pub(super) async fn save_with(
-        &self,
-        name: &str,
-        document: T::Document,
-        set: Option<&StoredSet>,
-        condition: &Condition,
-    ) -> Result<(Saved, Arc<T>), LoadError> {
+    /// As [`Shelf::save`], together with what the document names.
+    pub(super) async fn save_with(&self, name: &str, document: T::Document, beside: Beside<'_>, condition: &Condition) -> Result<(Saved, Arc<T>), LoadError> {
         let live = prepare::<T>(&self.compute, name, document).await?;
         let _writing = self.writing.lock().await;
-        let saved = self.store.save_with(name, T::content(live.document()), set, condition).await?;
+        let saved = self.store.save_with(name, T::content(live.document()), beside, condition).await?;
         self.change(|index| {
             index.insert(name.to_owned(), Arc::clone(&live));
         });

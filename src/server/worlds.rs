@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     store::{Condition, Content, Kind, Store},
-    world::{Document, DocumentError, EXAMPLES, PartNames, Parts, Revision, Survey, World},
+    world::{Document, DocumentError, EXAMPLES, Layer, PartNames, Parts, Revision, Survey, World},
 };
 use lru::LruCache;
 use std::{
@@ -17,12 +17,29 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
+/// Most bytes of ground that evolves in old revisions.
+const MOST_EVOLVING_BYTES: usize = 1 << 28;
+
 /// A world ready to be served.
 #[derive(Debug)]
 pub(super) struct Live {
     pub name: String,
     pub world: World,
     pub survey: Survey,
+}
+
+impl Live {
+    /// About how many bytes its generations of ground that evolves take.
+    fn evolving_bytes(&self) -> usize {
+        /// A node and its share of what is seen from afar; a node of a tree.
+        const NODES: [usize; 2] = [6, 8];
+        let bytes = |layer: &Layer| {
+            let ground = layer.generation()?.ground();
+            let [columns, rows] = ground.size();
+            Some(NODES[0] * columns * rows + NODES[1] * ground.populations * ground.lines * ground.nodes)
+        };
+        self.world.document().layers.iter().filter_map(bytes).sum()
+    }
 }
 
 impl Shelved for Live {
@@ -117,7 +134,12 @@ impl Worlds {
         }
         let live = self.shelf.read(name, revision).await?;
         if let Some(live) = &live {
-            self.old().put(key, Arc::clone(live));
+            let mut old = self.old();
+            old.put(key, Arc::clone(live));
+            // Each has generations of its own of ground that evolves.
+            while old.len() > 1 && old.iter().map(|(_, live)| live.evolving_bytes()).sum::<usize>() > MOST_EVOLVING_BYTES {
+                old.pop_lru();
+            }
         }
         Ok(live)
     }

@@ -17,6 +17,8 @@ const SECRET_BYTES: usize = 32;
 pub enum Scope {
     /// Read what there is.
     Read,
+    /// Play: say where one is, and give feedback to ground that evolves.
+    Play,
     /// Save, change and delete worlds, features and programmes.
     Write,
     /// See how the server does.
@@ -24,13 +26,14 @@ pub enum Scope {
 }
 
 impl Scope {
-    const ALL: [Self; 3] = [Self::Read, Self::Write, Self::Admin];
+    const ALL: [Self; 4] = [Self::Read, Self::Play, Self::Write, Self::Admin];
 
     /// Its name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Read => "read",
+            Self::Play => "play",
             Self::Write => "write",
             Self::Admin => "admin",
         }
@@ -47,7 +50,7 @@ impl FromStr for Scope {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|scope| scope.name() == text).ok_or_else(|| format!("must be read, write or admin, got {text:?}"))
+        Self::ALL.into_iter().find(|scope| scope.name() == text).ok_or_else(|| format!("must be read, play, write or admin, got {text:?}"))
     }
 }
 

@@ -8,7 +8,7 @@ pub(super) const LAYOUT: i64 = STEPS.len() as i64;
 
 /// From each layout to the next. Append-only, as the tables are: a document is stored once under its content's name, and every save or deletion of a name is a
 /// row; a deletion has no revision.
-const STEPS: [&str; 5] = [
+const STEPS: [&str; 6] = [
     "
     CREATE TABLE document (revision TEXT PRIMARY KEY, body TEXT NOT NULL) STRICT;
     CREATE TABLE history (
@@ -82,6 +82,20 @@ const STEPS: [&str; 5] = [
     ) STRICT;
     PRAGMA user_version = 5;
     ",
+    // Generations of adaptive terrain under the name of what they follow from: of a first one `said` is the ground, of others the feedback; some with all that the next is
+    // bred of.
+    "
+    CREATE TABLE generation (
+        hash TEXT PRIMARY KEY,
+        number INTEGER NOT NULL,
+        parent TEXT REFERENCES generation (hash),
+        time TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),
+        said TEXT NOT NULL,
+        deviation REAL,
+        state BLOB
+    ) STRICT;
+    PRAGMA user_version = 6;
+    ",
 ];
 
 /// What lets a connection that may not write read layout 1 as this one.
@@ -96,6 +110,9 @@ const READ_LAYOUT_2: &str = "
 
 /// What lets it read layouts before the fifth: there are no rasters.
 const READ_LAYOUT_4: &str = "CREATE TEMP TABLE raster (name TEXT, time TEXT, head TEXT, samples BLOB)";
+
+/// What lets it read layouts before the sixth: nothing evolves.
+const READ_LAYOUT_5: &str = "CREATE TEMP TABLE generation (hash TEXT, number INTEGER, parent TEXT, time TEXT, said TEXT, deviation REAL, state BLOB)";
 
 async fn found(connection: impl Executor<'_, Database = Sqlite>) -> Result<i64, StoreError> {
     let found = sqlx::query_scalar("PRAGMA user_version").fetch_one(connection).await?;
@@ -127,7 +144,10 @@ pub(super) async fn read_as_laid_out(connection: &mut SqliteConnection) -> Resul
         sqlx::raw_sql(READ_LAYOUT_2).execute(&mut *connection).await?;
     }
     if found < 5 {
-        sqlx::raw_sql(READ_LAYOUT_4).execute(connection).await?;
+        sqlx::raw_sql(READ_LAYOUT_4).execute(&mut *connection).await?;
+    }
+    if found < 6 {
+        sqlx::raw_sql(READ_LAYOUT_5).execute(connection).await?;
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 mod content;
 mod error;
 mod feature_set;
+mod generations;
 mod keys;
 mod layout;
 mod mbtiles;
@@ -11,7 +12,8 @@ mod sqlite;
 
 pub use content::{Content, Kind};
 pub use error::StoreError;
+pub use generations::{GenerationEntry, GenerationError, NewGeneration, StoredGeneration};
 pub use keys::{KeyEntry, Scope, hash_of, is_signature, sign};
 pub use mbtiles::MbTiles;
 pub use runs::{JobEntry, JobState, RasterEntry};
-pub use sqlite::{Condition, RevisionEntry, Saved, Store, StoredDocument};
+pub use sqlite::{Beside, Condition, RevisionEntry, Saved, Store, StoredDocument};

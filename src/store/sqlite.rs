@@ -1,6 +1,6 @@
 //! The embedded store: one `SQLite` file, write-ahead log, every commit synced to disk before it is acknowledged.
 
-use super::{Content, Kind, StoreError, feature_set, layout};
+use super::{Content, Kind, NewGeneration, StoreError, feature_set, generations, layout};
 use crate::{layout::geojson::StoredSet, world::Revision};
 use sqlx::{
     Row, Sqlite, SqlitePool, Transaction,
@@ -42,6 +42,15 @@ impl Condition {
     fn check(&self, kind: Kind, head: Option<&str>) -> Result<(), StoreError> {
         if self.holds(head) { Ok(()) } else { Err(StoreError::Condition { kind, revision: head.map(str::to_owned) }) }
     }
+}
+
+/// What a document names, to be stored with it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Beside<'a> {
+    /// A set of features.
+    pub set: Option<&'a StoredSet>,
+    /// Generations of adaptive terrain, each after those before it.
+    pub generations: &'a [NewGeneration],
 }
 
 /// What a name stands for now.
@@ -164,14 +173,14 @@ impl Store {
     /// # Errors
     /// If the condition does not hold or the database fails; then nothing is stored.
     pub async fn save(&self, name: &str, content: impl Into<Content>, condition: &Condition) -> Result<Saved, StoreError> {
-        self.save_with(name, content, None, condition).await
+        self.save_with(name, content, Beside::default(), condition).await
     }
 
-    /// As [`Store::save`], together with a set of features that the document names: both or neither.
+    /// As [`Store::save`], together with what the document names: all or nothing.
     ///
     /// # Errors
     /// As [`Store::save`].
-    pub async fn save_with(&self, name: &str, content: impl Into<Content>, set: Option<&StoredSet>, condition: &Condition) -> Result<Saved, StoreError> {
+    pub async fn save_with(&self, name: &str, content: impl Into<Content>, beside: Beside<'_>, condition: &Condition) -> Result<Saved, StoreError> {
         let content = content.into();
         let mut transaction = self.begin().await?;
         let (number, head) = head(&mut transaction, content.kind, name).await?;
@@ -179,9 +188,10 @@ impl Store {
         if head.as_deref() == Some(content.revision.as_str()) {
             return Ok(Saved::Unchanged);
         }
-        if let Some(set) = set {
+        if let Some(set) = beside.set {
             feature_set::put(&mut transaction, set).await?;
         }
+        generations::put(&mut transaction, beside.generations).await?;
         put(&mut transaction, name, number + 1, &content).await?;
         transaction.commit().await?;
         Ok(if head.is_none() { Saved::Created } else { Saved::Changed })

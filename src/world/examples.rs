@@ -10,7 +10,7 @@ pub struct Example {
 }
 
 /// Every example world.
-pub const EXAMPLES: [Example; 11] = [
+pub const EXAMPLES: [Example; 12] = [
     Example { name: "alps", json: include_str!("../../data/worlds/alps.json") },
     Example { name: "archipelago", json: include_str!("../../data/worlds/archipelago.json") },
     Example { name: "archipelago-endless", json: include_str!("../../data/worlds/archipelago-endless.json") },
@@ -18,6 +18,7 @@ pub const EXAMPLES: [Example; 11] = [
     Example { name: "dunes", json: include_str!("../../data/worlds/dunes.json") },
     Example { name: "eq2", json: include_str!("../../data/worlds/eq2.json") },
     Example { name: "hills", json: include_str!("../../data/worlds/hills.json") },
+    Example { name: "living", json: include_str!("../../data/worlds/living.json") },
     Example { name: "mesas", json: include_str!("../../data/worlds/mesas.json") },
     Example { name: "ranges", json: include_str!("../../data/worlds/ranges.json") },
     Example { name: "ridges-and-rivers", json: include_str!("../../data/worlds/ridges-and-rivers.json") },

@@ -1,7 +1,7 @@
 //! What can influence a tile's bytes, hashed before the tile is evaluated.
 
 use super::{Document, World};
-use crate::geometry::{Filter, Grid, Rectangle, Samples, Tile};
+use crate::geometry::{Filter, Grid, Rectangle, Samples, Tile, Window};
 use sha2::{Digest, Sha256};
 use std::fmt;
 
@@ -60,7 +60,9 @@ impl World {
             Samples::Centres(n) => ("centres", n),
             Samples::Vertices(n) => ("vertices", n),
         };
-        self.identify(&format!("{form}\n{registration} {side}\n{}\n{} {} {} {}", filter.name(), grid.name(), tile.z, tile.x, tile.y), area)
+        let what = format!("{form}\n{registration} {side}\n{}\n{} {} {} {}", filter.name(), grid.name(), tile.z, tile.x, tile.y);
+        let spacing = grid.window(tile, samples, filter).ok().map(|window| window.spacing());
+        self.named(&what, area, spacing.map(|spacing| (spacing, filter)))
     }
 
     /// The fingerprint of the view that [`Survey`](super::Survey) finds, `pixels` a side; `form` names what is drawn and the encoder's version.
@@ -69,12 +71,31 @@ impl World {
         self.identify(&format!("{form}\nview {pixels}"), &Rectangle::EVERYTHING)
     }
 
-    /// The identity of something drawn from an area of this world that `what` describes in full.
+    /// The identity of something drawn from an area of this world that `what` describes in full, at whatever spacing.
     #[must_use]
     pub fn identify(&self, what: &str, area: &Rectangle) -> Fingerprint {
+        self.named(what, area, None)
+    }
+
+    /// The identity of something drawn from the samples of a window that `what` describes in full.
+    #[must_use]
+    pub fn identify_window(&self, what: &str, window: &Window) -> Fingerprint {
+        self.named(what, &window.bounds(), Some((window.spacing(), window.filter)))
+    }
+
+    /// What ground that evolves adds to the form of a tile that is drawn from a second window, too, such as a mask of water finer than its heights; empty without such ground.
+    #[must_use]
+    pub fn seen_in(&self, window: &Window) -> String {
+        let evolving = self.layers().filter(|layer| layer.generation().is_some());
+        evolving
+            .filter_map(|layer| layer.content_in(&window.bounds(), Some((window.spacing(), window.filter))))
+            .fold(String::new(), |all, layer| all + "\n" + &layer)
+    }
+
+    fn named(&self, what: &str, area: &Rectangle, samples: Option<(f64, Filter)>) -> Fingerprint {
         let mut hash = self.prefix.0.clone();
         hash.update(what);
-        for layer in self.layers().filter_map(|layer| layer.content_in(area)) {
+        for layer in self.layers().filter_map(|layer| layer.content_in(area, samples)) {
             hash.update(format!("\n{layer}"));
         }
         let digest = hash.finalize();

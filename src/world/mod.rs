@@ -32,6 +32,8 @@ pub use name::check_name;
 pub use object::Object;
 pub use parts::{PartNames, Parts};
 pub use preset::Preset;
+#[cfg(feature = "server")]
+pub(crate) use problem::read as read_document;
 pub use problem::{DocumentError, Problem};
 pub use raster::{RasterError, RasterHead, StoredRaster};
 pub use revision::Revision;

@@ -1,14 +1,15 @@
 //! What documents name by hash and is kept apart from them.
 
-use crate::{geometry::Raster, layout::geojson::FeatureSet};
+use crate::{evolve::Generation, geometry::Raster, layout::geojson::FeatureSet};
 use serde_json::Value;
 use std::{collections::BTreeMap, sync::Arc};
 
-/// Stored sets of features and rasters by name: what a document that names them is read with.
+/// Stored sets of features, rasters and generations of adaptive terrain by name: what a document that names them is read with.
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
     sets: BTreeMap<String, Arc<FeatureSet>>,
     rasters: BTreeMap<String, Arc<Raster>>,
+    generations: BTreeMap<String, Arc<Generation>>,
 }
 
 /// The names of parts.
@@ -18,6 +19,8 @@ pub struct PartNames {
     pub sets: Vec<String>,
     /// Of rasters.
     pub rasters: Vec<String>,
+    /// Of generations of adaptive terrain.
+    pub generations: Vec<String>,
 }
 
 impl PartNames {
@@ -31,6 +34,7 @@ impl PartNames {
             let source = &layer["source"];
             names.sets.extend(list(&source["layout"]["features"]).iter().filter_map(|item| item["set"].as_str().map(str::to_owned)));
             names.rasters.extend(source["raster"]["hash"].as_str().map(str::to_owned));
+            names.generations.extend(source["adaptive"]["generation"].as_str().map(str::to_owned));
         }
         names
     }
@@ -47,11 +51,20 @@ impl Parts {
         self.rasters.insert(name, raster);
     }
 
+    /// Adds a generation of adaptive terrain.
+    pub fn insert_generation(&mut self, generation: Arc<Generation>) {
+        self.generations.insert(generation.hash().to_owned(), generation);
+    }
+
     pub(super) fn set(&self, name: &str) -> Option<&Arc<FeatureSet>> {
         self.sets.get(name)
     }
 
     pub(super) fn raster(&self, name: &str) -> Option<&Arc<Raster>> {
         self.rasters.get(name)
+    }
+
+    pub(super) fn generation(&self, hash: &str) -> Option<&Arc<Generation>> {
+        self.generations.get(hash)
     }
 }

@@ -108,7 +108,7 @@ impl Checks {
 }
 
 /// Reads a document whose fields are all known.
-pub(super) fn read<'a, T: Deserialize<'a>>(json: &'a [u8]) -> Result<T, DocumentError> {
+pub(crate) fn read<'a, T: Deserialize<'a>>(json: &'a [u8]) -> Result<T, DocumentError> {
     let mut deserializer = serde_json::Deserializer::from_slice(json);
     let Object(written) = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| structural_error(&error))?;
     deserializer.end().map_err(|error| DocumentError::Syntax(error.to_string()))?;

@@ -10,6 +10,7 @@ mod costs;
 mod determinism;
 mod encoding;
 mod events;
+mod evolving;
 mod export;
 mod features;
 mod formats;

@@ -56,6 +56,7 @@ async fn every_described_operation_is_there() {
             ("{tileset}", "terrarium"),
             ("{id}", "ridge"),
             ("{job}", &job),
+            ("{player}", "ann"),
             ("{raster}", &raster),
             ("{session}", "first"),
             ("{generation}", "0"),
@@ -93,10 +94,13 @@ async fn every_described_operation_is_there() {
                     }
                     breeding if breeding.starts_with("/breeding") => r#"{"form":1,"seed":4}"#,
                     accessibility if accessibility.ends_with("/accessibility") => r#"{"bbox":[0,0,900,600],"spacing":30}"#,
+                    feedback if feedback.ends_with("/feedback") => r#"{"heights":[140]}"#,
+                    generation if generation.ends_with("/generation") => r#"{"generation":0}"#,
+                    player if player.ends_with("/{player}") => r#"{"positions":[[9000,0]]}"#,
                     jobs if jobs.starts_with("/jobs") => work,
                     elevation if elevation.ends_with("/elevation") => r#"{"points":[[0,0]]}"#,
                     generate if generate.ends_with("/generate") => r#"{"generate":"landmass","radius":1000}"#,
-                    _ => r#"{"seed":1,"base":{"programme":"x","scale":1}}"#,
+                    _ => r#"{"seed":1,"base":{"programme":"x","scale":1},"layers":[{"name":"ground","source":{"adaptive":{"ground":{}}}}]}"#,
                 };
                 let body = if matches!(method, Method::PUT | Method::POST) { document } else { "" };
                 let answer = client.send(method.clone(), &format!("{path}{query}"), &[], body).await;
@@ -106,7 +110,7 @@ async fn every_described_operation_is_there() {
             }
         }
     }
-    assert!(operations >= 33, "{operations}");
+    assert!(operations >= 39, "{operations}");
 }
 
 /// The words of addresses are written once more for the description.

@@ -121,7 +121,7 @@ fn render_writes_every_format_from_files_and_stored_worlds() {
     for (arguments, expected) in [
         (
             &["render", "alp", "-o", "c.png"][..],
-            "error: alp is neither a file nor one of the worlds in ./data-store: alps, archipelago, archipelago-endless, cordillera, dunes, eq2, hills, mesas, ranges, ridges-and-rivers, ridges-rivers-and-lakes\n",
+            "error: alp is neither a file nor one of the worlds in ./data-store: alps, archipelago, archipelago-endless, cordillera, dunes, eq2, hills, living, mesas, ranges, ridges-and-rivers, ridges-rivers-and-lakes\n",
         ),
         (&["render", "alps", "-o", "c.jpg"], "error: c.jpg must end in .png, .tif, .r16, .r32, .obj or .glb\n"),
         (&["render", "alps", "-o", "c.png", "--registration", "vertices"], "error: --registration vertices is for heights: pictures are made of pixels\n"),

@@ -1,10 +1,9 @@
 //! Generations, kept and bred.
 
 use super::{
-    lattice,
-    players::{Players, smooth, thaw},
-    population::{self, Lines},
+    players::Players,
     settings::{Feedback, Ground, HISTORY_FORM, History, MAX_HISTORY, Step},
+    state::State,
     terrain::AdaptiveTerrain,
 };
 use crate::evolve::record::RecordError;
@@ -15,13 +14,6 @@ const KEPT: usize = 32;
 
 /// Of the newest generations this many are kept, too.
 const NEWEST: usize = 8;
-
-/// A generation.
-#[derive(Clone, Debug)]
-struct Generation {
-    lines: Lines,
-    terrain: AdaptiveTerrain,
-}
 
 /// A terrain that evolves: its [`History`] with generations of it.
 ///
@@ -38,7 +30,7 @@ struct Generation {
 #[derive(Clone, Debug)]
 pub struct Adaptive {
     history: History,
-    kept: BTreeMap<usize, Arc<Generation>>,
+    kept: BTreeMap<usize, Arc<State>>,
 }
 
 impl Adaptive {
@@ -56,10 +48,7 @@ impl Adaptive {
     /// If something in the history is not what it must be; the error names the place.
     pub fn replay(history: History) -> Result<Self, RecordError> {
         history.check()?;
-        let ground = &history.ground;
-        let lines = population::first(ground);
-        let terrain = AdaptiveTerrain::new(ground, lattice::heights(ground, &lines).into());
-        let mut adaptive = Self { kept: BTreeMap::from([(0, Arc::new(Generation { lines, terrain }))]), history };
+        let mut adaptive = Self { kept: BTreeMap::from([(0, Arc::new(State::first(&history.ground)))]), history };
         for (i, step) in adaptive.history.steps.clone().iter().enumerate() {
             let next = adaptive.bred(i + 1, step).map_err(|error| RecordError::new(format!("/steps/{i}/feedback{}", error.at), error.message))?;
             adaptive.keep(i + 1, next);
@@ -125,13 +114,13 @@ impl Adaptive {
         Ok(())
     }
 
-    fn keep(&mut self, number: usize, generation: Generation) {
+    fn keep(&mut self, number: usize, generation: State) {
         self.kept.insert(number, Arc::new(generation));
         self.kept.retain(|&kept, _| kept.is_multiple_of(KEPT) || kept + NEWEST > number);
     }
 
     /// A generation that is kept, or bred again from one that is.
-    fn generation(&self, number: usize) -> Result<Arc<Generation>, RecordError> {
+    fn generation(&self, number: usize) -> Result<Arc<State>, RecordError> {
         if number >= self.generations() {
             return Err(RecordError::new("/generation", format!("must be 0 … {}, got {number}", self.generations() - 1)));
         }
@@ -142,62 +131,12 @@ impl Adaptive {
         }
         let mut generation = Arc::clone(&self.kept[&at]);
         for number in way.into_iter().rev() {
-            generation = Arc::new(self.next(&generation, number, &self.history.steps[number - 1].feedback)?);
+            generation = Arc::new(generation.next(&self.history.ground, number, &self.history.steps[number - 1].feedback)?);
         }
         Ok(generation)
     }
 
-    fn bred(&self, number: usize, step: &Step) -> Result<Generation, RecordError> {
-        self.next(&*self.generation(step.from)?, number, &step.feedback)
+    fn bred(&self, number: usize, step: &Step) -> Result<State, RecordError> {
+        self.generation(step.from)?.next(&self.history.ground, number, &step.feedback)
     }
-
-    /// Generation `number`, bred of another.
-    fn next(&self, from: &Generation, number: usize, feedback: &Feedback) -> Result<Generation, RecordError> {
-        let ground = &self.history.ground;
-        let mut wanted: Vec<f64> = feedback.heights.iter().map(|height| height - ground.mean).collect();
-        for (i, &point) in feedback.points.iter().enumerate() {
-            let Some(height) = from.terrain.height(point) else {
-                let (area, [x, y]) = (from.terrain.area(), point);
-                let message = format!("must lie on the terrain, {:?} … {:?} m, got [{x}, {y}]", area.min, area.max);
-                return Err(RecordError::new(format!("/points/{i}"), message));
-            };
-            wanted.push(f64::from(height) - ground.mean);
-        }
-        let lines = population::bred(ground, &from.lines, &wanted, number);
-        let mut heights = lattice::heights(ground, &lines);
-        if feedback.radius.is_some() || !feedback.ways.is_empty() {
-            let weights = weights(ground, feedback);
-            for ((new, &old), weight) in heights.iter_mut().zip(from.terrain.nodes()).zip(weights) {
-                *new = mixed(old, *new, weight);
-            }
-        }
-        Ok(Generation { lines, terrain: AdaptiveTerrain::new(ground, heights.into()) })
-    }
-}
-
-/// From the old to the new height by a weight: exactly the one or the other at its ends.
-fn mixed(old: f32, new: f32, weight: f32) -> f32 {
-    if weight <= 0.0 {
-        old
-    } else if weight >= 1.0 {
-        new
-    } else {
-        old + (new - old) * weight
-    }
-}
-
-/// How much of the new height each node takes: all within half the radius, less and less to its end, and nothing where it is promised.
-fn weights(ground: &Ground, feedback: &Feedback) -> Vec<f32> {
-    let [columns, rows] = ground.size();
-    let mut weights = vec![1.0; columns * rows];
-    if let Some(radius) = feedback.radius {
-        for (i, weight) in weights.iter_mut().enumerate() {
-            let place = [ground.origin[0] + (i % columns) as f64 * ground.cell, ground.origin[1] + (i / columns) as f64 * ground.cell];
-            let square = |[x, y]: [f64; 2]| (x - place[0]) * (x - place[0]) + (y - place[1]) * (y - place[1]);
-            let nearest = feedback.points.iter().copied().map(square).fold(f64::INFINITY, f64::min).sqrt();
-            *weight = smooth(2.0 * (1.0 - nearest / radius));
-        }
-    }
-    thaw(ground, &feedback.ways, &mut weights);
-    weights
 }

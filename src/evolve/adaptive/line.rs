@@ -37,6 +37,18 @@ impl Line {
         Self(largest)
     }
 
+    /// A tree of nodes in preorder; `None` if they are not one whole tree.
+    pub(super) fn read(nodes: Vec<Node>) -> Option<Self> {
+        let mut open = 1_usize;
+        for node in &nodes {
+            if open == 0 || node.arity > 2 || !node.height.is_finite() {
+                return None;
+            }
+            open = open + usize::from(node.arity) - 1;
+        }
+        (open == 0 && nodes.len() > 1).then_some(Self(nodes))
+    }
+
     /// Its heights above the mean, as many as the line is long; those that the tree has not are at the mean.
     pub(super) fn heights(&self, length: usize) -> impl Iterator<Item = f32> + '_ {
         self.0.iter().map(|node| node.height).chain(core::iter::repeat(0.0)).take(length)
@@ -50,7 +62,7 @@ impl Line {
     }
 
     /// The nodes of the subtree that begins at one.
-    fn subtree(&self, at: usize) -> core::ops::Range<usize> {
+    pub(super) fn subtree(&self, at: usize) -> core::ops::Range<usize> {
         let (mut end, mut open) = (at, 1);
         while open > 0 {
             open += usize::from(self.0[end].arity);
@@ -61,8 +73,21 @@ impl Line {
     }
 
     /// Levels above a node.
-    fn level(&self, at: usize) -> usize {
-        (0..at).filter(|&above| self.subtree(above).contains(&at)).count()
+    pub(super) fn level(&self, at: usize) -> usize {
+        // Of the nodes above, how many of their subtrees are still to come.
+        let mut open: Vec<u8> = Vec::new();
+        for i in 0..=at {
+            while open.last() == Some(&0) {
+                open.pop();
+            }
+            if let Some(left) = open.last_mut() {
+                *left -= 1;
+            }
+            if i < at {
+                open.push(self.0[i].arity);
+            }
+        }
+        open.len()
     }
 
     fn with(&self, place: core::ops::Range<usize>, nodes: &[Node]) -> Self {

@@ -9,17 +9,22 @@
 //! become two, or run away); what a short tree lacks is at the mean, not at 0; 5 % of the lines are made unlike, in turn, so that plains have spikes and are
 //! not lost for good; and displacements do not change from one generation to the next, so that ground which does not change stays as it is.
 
+mod blocks;
+mod cost;
+mod generation;
 mod history;
 mod lattice;
 mod line;
 mod players;
 mod population;
 mod settings;
+mod state;
 mod terrain;
 #[cfg(test)]
 mod tests;
 
+pub use generation::Generation;
 pub use history::Adaptive;
 pub use players::Players;
-pub use settings::{Feedback, Ground, HISTORY_FORM, History, MAX_HISTORY, MAX_LATTICE, MAX_POSITIONS, Step};
+pub use settings::{Feedback, Ground, HISTORY_FORM, History, MAX_HISTORY, MAX_LATTICE, MAX_POSITIONS, MAX_TREES, Step};
 pub use terrain::AdaptiveTerrain;

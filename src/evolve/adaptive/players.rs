@@ -71,14 +71,24 @@ pub(super) fn thaw(ground: &Ground, ways: &[Vec<[f64; 2]>], weights: &mut [f32])
     let (seen, fade) = (SEEN * ground.cell, ground.fade as f64 * ground.cell);
     let far = ground.promise + seen + fade;
     for [from, to] in ways.iter().flat_map(|way| parts(way)) {
-        let nodes = |axis: usize| {
+        let between = |axis: usize, low: f64, high: f64| {
             let node = |c: f64| ((c - ground.origin[axis]) / ground.cell).clamp(0.0, (size[axis] - 1) as f64);
-            node(from[axis].min(to[axis]) - far).floor() as usize..=node(from[axis].max(to[axis]) + far).ceil() as usize
+            node(low).floor() as usize..=node(high).ceil() as usize
         };
+        let columns_between = |west: f64, east: f64| between(0, west, east);
+        let nodes = |axis: usize| between(axis, from[axis].min(to[axis]) - far, from[axis].max(to[axis]) + far);
         for row in nodes(1) {
-            for column in nodes(0) {
-                let beyond = to_box(from, to, &seen_from(ground, [column, row], seen)) - ground.promise;
+            // Of the part only what is so near to the row matters to its nodes; those of a border are seen from all that lies beyond it.
+            let y = ground.origin[1] + row as f64 * ground.cell;
+            let low = if row == 0 { f64::NEG_INFINITY } else { y - far - ground.cell };
+            let high = if row + 1 == size[1] { f64::INFINITY } else { y + far + ground.cell };
+            let Some([west, east]) = clipped(from, to, [low, high]) else { continue };
+            for column in columns_between(west - far - ground.cell, east + far + ground.cell) {
                 let weight = &mut weights[row * size[0] + column];
+                if *weight <= 0.0 {
+                    continue;
+                }
+                let beyond = to_box(from, to, &seen_from(ground, [column, row], seen)) - ground.promise;
                 // A whisker more than the promise: distances are rounded.
                 if beyond <= 1e-6 * ground.cell {
                     *weight = 0.0;
@@ -90,8 +100,24 @@ pub(super) fn thaw(ground: &Ground, ways: &[Vec<[f64; 2]>], weights: &mut [f32])
     }
 }
 
+/// The least and greatest x of what a straight way has between two y; `None` if it has nothing there.
+fn clipped(from: [f64; 2], to: [f64; 2], [low, high]: [f64; 2]) -> Option<[f64; 2]> {
+    let step = to[1] - from[1];
+    let (mut first, mut last) = (0.0_f64, 1.0_f64);
+    if step == 0.0 {
+        if !(low..=high).contains(&from[1]) {
+            return None;
+        }
+    } else {
+        let [a, b] = [(low - from[1]) / step, (high - from[1]) / step];
+        (first, last) = (first.max(a.min(b)), last.min(a.max(b)));
+    }
+    let ends = [first, last].map(|t| from[0] + t * (to[0] - from[0]));
+    (first <= last).then(|| [ends[0].min(ends[1]), ends[0].max(ends[1])])
+}
+
 /// Where samples see a node from.
-fn seen_from(ground: &Ground, node: [usize; 2], seen: f64) -> Rectangle {
+pub(super) fn seen_from(ground: &Ground, node: [usize; 2], seen: f64) -> Rectangle {
     let size = ground.size();
     let place = |axis: usize| ground.origin[axis] + node[axis] as f64 * ground.cell;
     let min = [0, 1].map(|axis| if node[axis] == 0 { -BEYOND } else { place(axis) - seen });
@@ -100,7 +126,7 @@ fn seen_from(ground: &Ground, node: [usize; 2], seen: f64) -> Rectangle {
 }
 
 /// The straight parts of a way; one without length where it does not move.
-fn parts(way: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> + '_ {
+pub(super) fn parts(way: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> + '_ {
     let alone = (way.len() == 1).then(|| [way[0], way[0]]);
     way.windows(2).map(|pair| [pair[0], pair[1]]).chain(alone)
 }
@@ -112,7 +138,7 @@ pub(super) fn smooth(t: f64) -> f32 {
 }
 
 /// The distance between a straight way and a rectangle.
-fn to_box(from: [f64; 2], to: [f64; 2], area: &Rectangle) -> f64 {
+pub(super) fn to_box(from: [f64; 2], to: [f64; 2], area: &Rectangle) -> f64 {
     if enters(from, to, area) {
         return 0.0;
     }

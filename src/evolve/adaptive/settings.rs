@@ -1,6 +1,9 @@
 //! What an adaptive terrain is, and what it was told: plain data that it follows from.
 
-use crate::{evolve::record::RecordError, geometry::PLANE_LIMIT};
+use crate::{
+    evolve::record::RecordError,
+    geometry::{PLANE_LIMIT, Rectangle},
+};
 use serde::{Deserialize, Serialize};
 
 /// What follows from a history: it goes up when the same one would give other heights.
@@ -8,6 +11,9 @@ pub const HISTORY_FORM: u32 = 1;
 
 /// Most nodes of the lattice of heights.
 pub const MAX_LATTICE: usize = 1 << 20;
+
+/// Most nodes of all trees together.
+pub const MAX_TREES: usize = 1 << 22;
 
 /// Most generations.
 pub const MAX_HISTORY: usize = 10_000;
@@ -98,6 +104,13 @@ impl Ground {
         self.coarse_size().map(|n| ((n - 1) << self.passes) + 1)
     }
 
+    /// The area of its nodes.
+    #[must_use]
+    pub fn area(&self) -> Rectangle {
+        let [width, height] = self.size().map(|count| (count - 1) as f64 * self.cell);
+        Rectangle { min: self.origin, max: [self.origin[0] + width, self.origin[1] + height] }
+    }
+
     /// Holds the numbers to their ranges.
     ///
     /// # Errors
@@ -131,6 +144,13 @@ impl Ground {
         real("deviation", self.deviation, [0.0, self.range[1] - self.range[0]])?;
         whole("levels", self.levels, [2, 32])?;
         whole("nodes", self.nodes, [3, 4096])?;
+        let trees = self.populations * self.lines * self.nodes;
+        if trees > MAX_TREES {
+            return Err(RecordError::new(
+                format!("{at}/nodes"),
+                format!("lines, populations and nodes allow trees of {trees} nodes, more than {MAX_TREES} together"),
+            ));
+        }
         real("crossover", self.crossover, [0.0, 0.5])?;
         real("mutation", self.mutation, [0.0, 1.0])?;
         real("unlike", self.unlike, [0.0, 0.25])?;

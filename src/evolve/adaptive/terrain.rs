@@ -1,7 +1,8 @@
 //! The heights of a generation in the plane.
 
-use super::settings::Ground;
+use super::{blocks::Blocks, settings::Ground};
 use crate::geometry::{Filter, Legend, Rectangle, Source, Stop, Surface, Window};
+use sha2::{Digest, Sha256};
 use std::sync::Arc;
 
 /// Nanoseconds to evaluate a sample between nodes, in one level and in two.
@@ -13,9 +14,14 @@ struct Level {
     columns: usize,
     rows: usize,
     heights: Arc<[f32]>,
+    blocks: Arc<Blocks>,
 }
 
 impl Level {
+    fn new(columns: usize, rows: usize, heights: Arc<[f32]>) -> Self {
+        Self { columns, rows, blocks: Arc::new(Blocks::of(columns, &heights)), heights }
+    }
+
     fn at(&self, column: i64, row: i64) -> f32 {
         let inside = |i: i64, count: usize| i.clamp(0, count as i64 - 1) as usize;
         self.heights[inside(row, self.rows) * self.columns + inside(column, self.columns)]
@@ -29,7 +35,7 @@ impl Level {
             let three = |row: i64| self.at(column - 1, row) + 2.0 * self.at(column, row) + self.at(column + 1, row);
             (three(row - 1) + 2.0 * three(row) + three(row + 1)) * (1.0 / 16.0)
         };
-        Self { columns, rows, heights: (0..columns * rows).map(node).collect() }
+        Self::new(columns, rows, (0..columns * rows).map(node).collect())
     }
 
     fn between(&self, (column, s): (i64, f32), (row, t): (i64, f32)) -> f32 {
@@ -71,7 +77,7 @@ impl AdaptiveTerrain {
     pub(super) fn new(ground: &Ground, heights: Arc<[f32]>) -> Self {
         let range = heights.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], &height| [low.min(height), high.max(height)]);
         let [columns, rows] = ground.size();
-        let mut levels = vec![Level { columns, rows, heights }];
+        let mut levels = vec![Level::new(columns, rows, heights)];
         while let Some(last) = levels.last().filter(|level| level.columns.max(level.rows) > 4) {
             levels.push(last.halved());
         }
@@ -138,6 +144,24 @@ impl AdaptiveTerrain {
             let ([x0, x1], [y0, y1]) = (end(0, i % columns, columns), end(1, i / columns, rows));
             all.union(Rectangle { min: [x0, y0], max: [x1, y1] })
         })
+    }
+
+    /// The name of all heights that samples so far apart see in an area: as long as it is the same, so are the samples, to the bit.
+    #[must_use]
+    pub fn seen(&self, area: &Rectangle, spacing: f64, filter: Filter) -> [u8; 16] {
+        let (near, far, share) = self.levels_at(spacing, filter);
+        let mut hash = Sha256::new();
+        for level in if share == 0.0 { near..=near } else { near..=far } {
+            let Level { columns, rows, heights, blocks } = &self.levels[level];
+            // Two nodes to either side of a sample.
+            let nodes = |axis: usize, count: usize| {
+                let node = |coordinate: f64, more: i64| self.place(axis, coordinate, level).0.saturating_add(more).clamp(0, count as i64 - 1) as usize;
+                node(area.min[axis], -1)..node(area.max[axis], 2) + 1
+            };
+            blocks.hash_part(*columns, heights, nodes(0, *columns), nodes(1, *rows), &mut hash);
+        }
+        let digest = hash.finalize();
+        core::array::from_fn(|i| digest[i])
     }
 
     /// The node west or south of a coordinate, and how far beyond it that lies, in steps of a level.

@@ -4,7 +4,7 @@
 use super::*;
 use crate::{
     genetic::Draws,
-    geometry::{Filter, Source, Surface, Window},
+    geometry::{Filter, Rectangle, Source, Surface, Window},
 };
 
 fn adaptive(seed: u64) -> Adaptive {
@@ -309,4 +309,124 @@ fn a_history_gives_what_it_always_gave() {
     let terrain = adaptive.terrain(3).expect("a generation");
     let digest = terrain.nodes().iter().fold(0, |digest, height| crate::noise::key(digest, height.to_bits().into()));
     assert_eq!(digest, 2_678_345_519_401_204_429);
+}
+
+/// A generation by itself is the one of a history, however it came to be.
+#[test]
+fn generations_are_those_of_their_history() {
+    let ground = Ground { seed: 5, populations: 2, lines: 11, length: 20, ..Ground::default() };
+    let mut adaptive = Adaptive::new(ground.clone()).expect("the ground is right");
+    let mut generation = Generation::first(&ground).expect("the ground is right");
+    assert_eq!(generation.hash(), ground.hash());
+    for i in 0..30_u32 {
+        let mut feedback = if i % 3 == 0 { Feedback::height(f64::from(40 + i)) } else { Feedback::point([f64::from(10 * i), 333.0]) };
+        feedback.radius = (i % 3 == 1).then_some(200.0);
+        if i % 4 == 2 {
+            feedback.ways.push(vec![[f64::from(i), 100.0], [500.0, 300.0]]);
+        }
+        let newest = adaptive.feed(feedback.clone()).expect("on the terrain");
+        let next = generation.next(&feedback).expect("on the terrain");
+        assert_eq!((next.number(), next.terrain()), (newest, &adaptive.terrain(newest).expect("a generation")));
+        let read = Generation::from_bytes(next.ground(), next.hash(), next.number(), &next.to_bytes()).expect("its own bytes");
+        assert_eq!(read, next);
+        assert_ne!(next.hash(), generation.hash());
+        generation = read;
+    }
+    assert_ne!(generation.next(&Feedback::height(100.0)).expect("bred").hash(), generation.next(&Feedback::height(101.0)).expect("bred").hash());
+    let wrong = generation.next(&Feedback::point([-1.0, 0.0])).expect_err("off the terrain");
+    assert_eq!(wrong.at, "/points/0");
+
+    // Bytes that are cut off, too long, of other trees or of another ground are refused.
+    let bytes = generation.to_bytes();
+    let read = |bytes: &[u8]| Generation::from_bytes(generation.ground(), generation.hash(), 30, bytes);
+    for wrong in [&bytes[..bytes.len() - 1], &[&bytes[..], &[0]].concat(), &[], &[&[9], &bytes[1..]].concat()] {
+        assert!(read(wrong).is_err());
+    }
+    for at in (0..bytes.len()).step_by(97) {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 0xff;
+        // No panic: other heights may be those of a ground, too.
+        let _ = read(&damaged);
+    }
+    assert!(Generation::from_bytes(&Ground { lines: 12, ..ground }.into(), "", 1, &bytes).is_err());
+}
+
+#[test]
+fn levels_are_counted_as_subtrees_say() {
+    for line in population::first(&Ground { seed: 9, ..Ground::default() }) {
+        for at in 0..line.0.len() {
+            assert_eq!(line.level(at), (0..at).filter(|&above| line.subtree(above).contains(&at)).count());
+        }
+    }
+}
+
+/// Row by row only what lies near a way is looked at; a plain look at every node says the same.
+#[test]
+fn what_is_frozen_is_what_every_distance_says() {
+    let mut draws = Draws::new(4);
+    for case in 0..60 {
+        let ground = Ground { promise: draws.between(0.0, 300.0), fade: draws.below(9), origin: [-200.0, 90.0], ..Ground::default() };
+        let scale = [40.0, 900.0, 1e6][case % 3];
+        let mut point = || [600.0 + scale * draws.normal(), 500.0 + scale * draws.normal()];
+        let ways: Vec<Vec<[f64; 2]>> =
+            vec![vec![point()], vec![point(), point(), point()], vec![[300.0, 400.0], [300.0, point()[1]]], vec![[1.0, 700.0], [point()[0], 700.0]]];
+        let size = ground.size();
+        let (mut fast, mut plain) = (vec![1.0; size[0] * size[1]], vec![1.0_f32; size[0] * size[1]]);
+        players::thaw(&ground, &ways, &mut fast);
+        let fade = ground.fade as f64 * ground.cell;
+        for (node, weight) in plain.iter_mut().enumerate() {
+            let seen = players::seen_from(&ground, [node % size[0], node / size[0]], 2.0 * ground.cell);
+            for [from, to] in ways.iter().flat_map(|way| players::parts(way)) {
+                let beyond = players::to_box(from, to, &seen) - ground.promise;
+                let own = if beyond <= 1e-6 * ground.cell { 0.0 } else { players::smooth(if fade > 0.0 { beyond / fade } else { 1.0 }) };
+                *weight = weight.min(own);
+            }
+        }
+        assert_eq!(fast, plain, "case {case}");
+        assert!(case % 3 > 0 || plain.contains(&0.0));
+    }
+}
+
+/// The name of what is seen changes if and only if a node that samples see does; and where it does not, samples are the same.
+#[test]
+fn what_is_seen_is_named_to_the_node() {
+    let mut adaptive = adaptive(8);
+    adaptive.feed(Feedback { radius: Some(120.0), ..Feedback::point([600.0, 500.0]) }).expect("on the terrain");
+    let [old, new] = [0, 1].map(|generation| adaptive.terrain(generation).expect("a generation"));
+    let (mut draws, mut kept, mut changed) = (Draws::new(3), 0, 0);
+    for _ in 0..3000 {
+        let spacing = [0.7, 4.0, 10.0, 17.0, 40.0, 90.0][draws.below(6)];
+        let filter = if draws.chance(0.3) { Filter::Exact } else { Filter::Band };
+        let (side, corner) = (draws.between(1.0, 30.0) * spacing, [draws.between(-100.0, 1300.0), draws.between(-100.0, 1300.0)]);
+        let window = Window::vertices([corner[0], corner[1], corner[0] + side, corner[1] + side], spacing, filter, 1 << 20).expect("a window");
+        let area = window.bounds();
+        let same = old.seen(&area, spacing, filter) == new.seen(&area, spacing, filter);
+        let [before, after] = [&old, &new].map(|terrain| sampled(terrain, &window));
+        if same {
+            assert_eq!(before, after);
+            kept += 1;
+        } else {
+            changed += 1;
+            // A node of a level that is seen does differ.
+            assert!(old.changed(&new, spacing, filter).grown(4.0 * spacing.max(10.0)).meets(&area));
+        }
+    }
+    assert!(kept > 300 && changed > 300, "{kept} {changed}");
+    assert_eq!(
+        old.seen(&Rectangle::EVERYTHING, 0.0, Filter::Exact),
+        adaptive.terrain(0).expect("a generation").seen(&Rectangle::EVERYTHING, 0.0, Filter::Exact)
+    );
+    // Whole blocks are named by their names, and those follow from their nodes alone.
+    let node = 40 * 129 + 70;
+    let mut nodes = old.nodes().to_vec();
+    nodes[node] += 1.0;
+    let other = AdaptiveTerrain::new(&Ground { seed: 8, ..Ground::default() }, nodes.into());
+    for (area, differs) in [
+        (Rectangle { min: [0.0; 2], max: [1280.0; 2] }, true),
+        (Rectangle { min: [720.0, 420.0], max: [730.0, 430.0] }, false),
+        (Rectangle { min: [719.0, 419.0], max: [730.0, 430.0] }, true),
+        (Rectangle { min: [0.0, 0.0], max: [680.0 - 1e-9, 1280.0] }, false),
+    ] {
+        assert_eq!(old.seen(&area, 10.0, Filter::Band) != other.seen(&area, 10.0, Filter::Band), differs, "{area:?}");
+    }
 }

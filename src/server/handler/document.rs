@@ -82,10 +82,19 @@ fn created<T: Shelved>(url: &str, live: &T) -> Response {
     (location, answer(StatusCode::CREATED, live, Freshness::Revalidate)).into_response()
 }
 
-/// Saves on a task of its own: once begun it ends, whether or not the client stays, and memory never lags behind the disk.
-async fn save<T: Shelved>(app: &App, name: String, document: T::Document, condition: Condition) -> Result<(Saved, Arc<T>), ApiError> {
+/// Saves on a task of its own, which holds something until it is done: once begun it ends, whether or not the client stays, and memory never lags behind the disk.
+async fn save<T: Shelved>(
+    app: &App,
+    name: String,
+    document: T::Document,
+    condition: Condition,
+    held: impl Send + 'static,
+) -> Result<(Saved, Arc<T>), ApiError> {
     let app = app.clone();
-    let task = tokio::spawn(async move { T::shelf(&app).save(&name, document, &condition).await });
+    let task = tokio::spawn(async move {
+        let _held = held;
+        T::shelf(&app).save(&name, document, &condition).await
+    });
     match task.await {
         Ok(saved) => Ok(saved?),
         Err(error) => Err(ApiError::internal("saving a document", &error)),
@@ -98,8 +107,22 @@ async fn parse<T: Shelved>(app: &App, body: Bytes) -> Result<T::Document, ApiErr
 
 /// Saves a document under a name.
 pub(super) async fn put<T: Shelved>(app: &App, url: &str, name: String, condition: Condition, body: Bytes) -> Result<Response, ApiError> {
+    put_held::<T, ()>(app, url, name, condition, body, (), |(), _| Ok(())).await
+}
+
+/// As [`put`], while something is held that first says whether the document may be saved.
+pub(super) async fn put_held<T: Shelved, H: Send + 'static>(
+    app: &App,
+    url: &str,
+    name: String,
+    condition: Condition,
+    body: Bytes,
+    held: H,
+    check: impl FnOnce(&H, &T::Document) -> Result<(), ApiError>,
+) -> Result<Response, ApiError> {
     let document = parse::<T>(app, body).await?;
-    let (saved, live) = save::<T>(app, name, document, condition).await?;
+    check(&held, &document)?;
+    let (saved, live) = save::<T>(app, name, document, condition, held).await?;
     Ok(match saved {
         Saved::Created => created(url, &*live),
         Saved::Changed | Saved::Unchanged => answer(StatusCode::OK, &*live, Freshness::Revalidate),
@@ -123,7 +146,7 @@ pub(super) async fn post<T: Shelved>(app: &App, url: &str, query: NameQuery, bod
             last = name;
             continue;
         }
-        match save::<T>(app, name.clone(), document.clone(), Condition::Absent).await {
+        match save::<T>(app, name.clone(), document.clone(), Condition::Absent, ()).await {
             Ok((_, live)) => return Ok(created(url, &*live)),
             Err(ApiError::PreconditionFailed(_)) => last = name,
             Err(error) => return Err(error),

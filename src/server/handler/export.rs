@@ -125,7 +125,7 @@ fn area(exports: &Exports, request: &AreaRequest) -> Result<Area, ApiError> {
 /// What the file is called by its content, and the predicted time of it on one thread in nanoseconds.
 fn plan(world: &World, area: &Area) -> (Fingerprint, f64) {
     let window = area.evaluated();
-    (world.identify(&area.form(), &window.bounds()), world.parts_cost_ns(window, area.part_samples()))
+    (world.identify_window(&area.form(), window), world.parts_cost_ns(window, area.part_samples()))
 }
 
 /// The headers that say what a file is.

@@ -93,6 +93,8 @@ pub(crate) async fn get_tile(
     let (world, form, area) = (&live.world, request.form(&live.world.legend()), window.bounds());
     let is_features = request.tileset == Tileset::Features;
     let form = if is_features { world.features_form(&form, &area) } else { form };
+    let mask = request.mask_window().map_err(absent)?;
+    let form = form + &mask.map_or_else(String::new, |mask| world.seen_in(&mask));
     let fingerprint = world.fingerprint(&form, &area, request.grid, request.tile, request.samples, request.filter);
     let (tag, freshness) = (fingerprint.to_string(), Freshness::of(pinned));
     if is_fresh(&headers, &tag) {
@@ -116,7 +118,6 @@ pub(crate) async fn get_tile(
     if app.0.tiles.refuses(&fingerprint, class) {
         return Err(ApiError::Overloaded);
     }
-    let mask = request.mask_window().map_err(absent)?;
     let cost_ns = live.world.cost_ns(&window) + mask.map_or(0.0, |mask| live.world.cost_ns(&mask)) + request.drawing_ns();
     if cost_ns > MOST_TILE_NS {
         let (spacing, seconds) = (window.spacing(), cost_ns / 1e9);

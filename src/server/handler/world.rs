@@ -3,6 +3,7 @@
 use super::document::{self, DeleteErrors, NameQuery, SaveErrors};
 use crate::server::{
     error::ApiError,
+    evolving::check_change,
     extract::{Body, Known, NameOf, PublicUrl, WorldAt, WriteCondition},
     headers::Freshness,
     schema::{ProblemDetails, RevisionSchema, WorldSchema},
@@ -36,6 +37,7 @@ pub(crate) async fn get_world(WorldAt { live, pinned }: WorldAt, headers: Header
 ), request_body = WorldSchema, responses(
     (status = 200, description = "Saved, or already so: the completed document", body = WorldSchema, headers(("ETag" = String, description = "The revision"))),
     (status = 201, description = "A new world: the completed document", body = WorldSchema, headers(("ETag" = String, description = "The revision"), ("Location" = String, description = "The world"))),
+    (status = 409, description = "A player is on ground that would be another generation", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 412, description = "The condition does not hold", body = ProblemDetails, content_type = "application/problem+json"),
     SaveErrors,
 ))]
@@ -46,7 +48,10 @@ pub(crate) async fn put_world(
     PublicUrl(url): PublicUrl,
     Body(body): Body,
 ) -> Result<Response, ApiError> {
-    document::put::<Live>(&app, &url, name, condition, body).await
+    // Where somebody plays, ground that evolves stays what it is.
+    let players = app.0.players.hold(&name).await;
+    let old = app.0.worlds.shelf.get(&name);
+    document::put_held::<Live, _>(&app, &url, name, condition, body, players, |players, new| old.map_or(Ok(()), |old| check_change(&old, new, players))).await
 }
 
 /// Saves a new world.

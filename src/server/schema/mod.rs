@@ -1,9 +1,14 @@
 //! The JSON that goes over the wire, as `OpenAPI` describes it.
 
 mod breeding;
+mod evolving;
 mod job;
 
 pub(super) use breeding::{GenerationSchema, IndividualSchema, SessionEntry, SessionList, SessionSchema};
+pub(super) use evolving::{
+    FedSchema, FeedbackSchema, GenerationName, GenerationsSchema, GrownGeneration, HashOrNumber, PlayerSchema, PlayersSchema, PromiseSchema, ReturnSchema,
+    WaySchema,
+};
 pub(super) use job::{JobList, JobPreviewSchema, JobSchema, JobStateName, RasterList, RasterSchema, WorkSchema};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -52,7 +57,7 @@ pub(super) struct LayerSchema {
     /// 1 to 63 of a … z, 0 … 9 and -; like none of the others.
     #[schema(pattern = "^[a-z0-9][a-z0-9-]{0,62}$")]
     name: String,
-    /// Where its terrain comes from: `{"layout": …}`, see docs/layouts.md; `{"paths": …}` or `{"raster": {"hash": …}}`, see docs/paths.md.
+    /// Where its terrain comes from: `{"layout": …}`, see docs/layouts.md; `{"paths": …}` or `{"raster": {"hash": …}}`, see docs/paths.md; `{"adaptive": …}`, see docs/evolving.md.
     #[schema(value_type = Object)]
     source: serde_json::Value,
     /// `replace`, `add`, `max` or `min`.

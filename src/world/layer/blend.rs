@@ -62,7 +62,7 @@ impl Layer {
     pub(in crate::world) fn lay<'a>(&self, window: &Window, below: Below<'a, '_>) -> SurfaceRows<'a> {
         let Below { mut rows, dry, materials, shares: all } = below;
         let bounds = window.bounds();
-        if !self.ground.reaches(&bounds) || self.mask.as_ref().is_some_and(|mask| !mask.bounds().meets(&bounds)) {
+        if !self.ground.reaches(&bounds) || self.shown.as_ref().is_some_and(|mask| !mask.bounds().meets(&bounds)) {
             return rows;
         }
         let SurfaceRows { elevation, water_depth, water_cover, material, weights, stop, .. } = &mut rows;
@@ -70,7 +70,7 @@ impl Layer {
         let base: &[f32] = if self.blend == Blend::Add { &nothing } else { elevation };
         let (own, names, fractions) = self.ground.sample(window, base, [!water_cover.is_empty(), !material.is_empty(), !weights.is_empty()], stop);
         let (count, known) = (all.len() / elevation.len().max(1), materials.len() - 1);
-        let shares = self.mask.as_ref().map(|mask| mask.shares(window, self.fade));
+        let shares = self.shown.as_ref().map(|mask| mask.shares(window, self.fade));
         for i in 0..elevation.len() {
             let share = shares.as_ref().map_or(1.0, |shares| shares[i]);
             if share == 0.0 {

@@ -2,6 +2,7 @@
 
 use super::detail::Detail;
 use crate::{
+    evolve::Generation,
     geometry::{Raster, Rectangle, Stop, Window},
     layout::{ContentHash, FieldKind, FieldSurface, Layout, LayoutSurface, Scatter, Selection, geojson::FeatureSet},
     paths::{Endless, ShadowTerrain},
@@ -33,12 +34,13 @@ pub(super) struct Raised {
     pub form: String,
 }
 
-/// Metres above what is beneath, or, of shadow pictures, in its place.
+/// Metres above what is beneath, or, of shadow pictures and of ground that evolves, in its place.
 #[derive(Debug)]
 pub(super) enum Heights {
     Finite(Arc<Raster>),
     Endless(Box<Endless>),
     Shadow(ShadowTerrain),
+    Adaptive(Arc<Generation>),
 }
 
 impl Raised {
@@ -48,6 +50,7 @@ impl Raised {
             Heights::Finite(raster) => raster.add(window, stop, out),
             Heights::Endless(endless) => endless.add(window, stop, out),
             Heights::Shadow(terrain) => terrain.lay(window, stop, out),
+            Heights::Adaptive(generation) => generation.terrain().write(window, stop, out),
         }
     }
 
@@ -56,6 +59,7 @@ impl Raised {
             Heights::Finite(raster) => raster.cost_ns(window),
             Heights::Endless(endless) => endless.cost_ns(window),
             Heights::Shadow(terrain) => terrain.cost_ns(window),
+            Heights::Adaptive(generation) => generation.terrain().cost_ns(window),
         }
     }
 
@@ -64,6 +68,7 @@ impl Raised {
             Heights::Finite(raster) => raster.bounds().meets(area),
             Heights::Endless(_) => true,
             Heights::Shadow(terrain) => terrain.bounds().meets(area),
+            Heights::Adaptive(generation) => generation.terrain().area().meets(area),
         }
     }
 }
@@ -86,6 +91,17 @@ impl Ground {
                 let detail = detail.as_ref().map(|detail| format!(" {}", Revision::of(detail.base())));
                 format!("{}{}", raised.form, detail.unwrap_or_default())
             }
+        }
+    }
+
+    /// The generation of ground that evolves.
+    pub(super) fn generation(&self) -> Option<&Arc<Generation>> {
+        match self {
+            Self::Raised(raised, _) => match &raised.heights {
+                Heights::Adaptive(generation) => Some(generation),
+                _ => None,
+            },
+            _ => None,
         }
     }
 
@@ -145,8 +161,12 @@ impl Ground {
                 if let Some(detail) = detail {
                     let mut heights = vec![0.0; elevation.len()];
                     raised.lay(window, stop, &mut heights);
-                    for (elevation, height) in elevation.iter_mut().zip(&heights) {
-                        *elevation += height;
+                    if matches!(raised.heights, Heights::Adaptive(_)) {
+                        // There is ground everywhere: it carries all of the detail.
+                        elevation.copy_from_slice(&heights);
+                        heights.fill(f32::INFINITY);
+                    } else {
+                        elevation.iter_mut().zip(&heights).for_each(|(elevation, height)| *elevation += height);
                     }
                     detail.add(window, &heights, stop, &mut elevation);
                 } else {

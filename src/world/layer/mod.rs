@@ -1,5 +1,6 @@
 //! What lies above the base: layers, each a source of terrain with a way to lie over what is below.
 
+mod adaptive;
 mod blend;
 mod detail;
 mod drawing;
@@ -17,7 +18,8 @@ pub use mask::Mask;
 
 use super::{Document, name::check_name, number::whole, object::Object, parts::Parts, problem::Checks, revision::Revision};
 use crate::{
-    geometry::{PLANE_LIMIT, Rectangle, Window},
+    evolve::Generation,
+    geometry::{Filter, PLANE_LIMIT, Rectangle, Window},
     layout::{
         Layout,
         geojson::{Collection, Drawn, FeatureSet, Sets},
@@ -54,6 +56,9 @@ pub struct Layer {
     /// Metres inside the mask's border over which the layer comes up to its full strength.
     #[serde(serialize_with = "whole")]
     pub fade: f64,
+    /// Where it shows, also where the source alone says so.
+    #[serde(skip)]
+    shown: Option<Mask>,
     #[serde(skip)]
     ground: Ground,
     #[serde(skip)]
@@ -98,8 +103,7 @@ impl WrittenLayer<'_> {
         if let Err(detail) = check_name("a layer's name", &self.name) {
             checks.add(&format!("{at}/name"), detail);
         }
-        let fade = self.fade.unwrap_or(0.0);
-        checks.range(&format!("{at}/fade"), fade, 0.0, PLANE_LIMIT);
+        checks.range(&format!("{at}/fade"), self.fade.unwrap_or(0.0), 0.0, PLANE_LIMIT);
         let mask = self.mask.map(|Object(mask)| mask);
         if let Some(mask) = &mask
             && let Err(detail) = mask.check()
@@ -108,8 +112,11 @@ impl WrittenLayer<'_> {
         }
         let Completed { source, ground, features } = complete(self.source.0, &format!("{at}/source"), setting, checks)?;
         let (blend, priority) = (self.blend.unwrap_or_default(), self.priority.unwrap_or(0));
+        let generation = ground.generation();
+        let fade = self.fade.unwrap_or_else(|| generation.map_or(0.0, |generation| adaptive::fade(generation)));
+        let shown = generation.map_or_else(|| mask.clone(), |generation| Some(adaptive::shown(generation, mask.as_ref(), at, checks)));
         let form = Revision::of(&(blend, &mask, fade, ground.form()));
-        (checks.0.len() == before).then_some(Layer { name: self.name, source, blend, priority, mask, fade, ground, features, form })
+        (checks.0.len() == before).then_some(Layer { name: self.name, source, blend, priority, mask, fade, shown, ground, features, form })
     }
 }
 
@@ -211,6 +218,12 @@ impl Layer {
         }
     }
 
+    /// The generation of ground that evolves, if it is that.
+    #[must_use]
+    pub fn generation(&self) -> Option<&Arc<Generation>> {
+        self.ground.generation()
+    }
+
     /// The islands of a layer without end that samples so far apart show in an area; none where they would be many.
     #[must_use]
     pub fn islands(&self, area: &Rectangle, spacing: f64) -> Vec<Arc<Layout>> {
@@ -228,15 +241,21 @@ impl Layer {
 
     /// The predicted time to evaluate a window on one thread, in nanoseconds.
     pub(super) fn cost_ns(&self, window: &Window) -> f64 {
-        if self.mask.as_ref().is_some_and(|mask| !mask.bounds().meets(&window.bounds())) { 0.0 } else { self.ground.cost_ns(window) }
+        if self.shown.as_ref().is_some_and(|mask| !mask.bounds().meets(&window.bounds())) { 0.0 } else { self.ground.cost_ns(window) }
     }
 
-    /// What can change terrain in an area; `None` if nothing of the layer reaches it.
-    pub(super) fn content_in(&self, area: &Rectangle) -> Option<String> {
-        if self.mask.as_ref().is_some_and(|mask| !mask.bounds().meets(area)) {
+    /// What can change samples in an area, if it is known how far apart they are and which detail they carry; `None` if nothing of the layer reaches it.
+    pub(super) fn content_in(&self, area: &Rectangle, samples: Option<(f64, Filter)>) -> Option<String> {
+        let bounds = self.shown.as_ref().map_or(Rectangle::EVERYTHING, Mask::bounds);
+        if !bounds.meets(area) {
             return None;
         }
-        let features: String = self.ground.content_in(area)?.0.iter().map(|byte| format!("{byte:02x}")).collect();
-        Some(format!("layer {} {features}", self.form))
+        let content = match (self.ground.generation(), samples) {
+            (Some(generation), Some((spacing, filter))) => generation.terrain().seen(&bounds.meet(area), spacing, filter),
+            (Some(generation), None) => generation.terrain().seen(&Rectangle::EVERYTHING, 0.0, Filter::Exact),
+            (None, _) => self.ground.content_in(area)?.0,
+        };
+        let content: String = content.iter().map(|byte| format!("{byte:02x}")).collect();
+        Some(format!("layer {} {content}", self.form))
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{
     Setting,
+    adaptive::{self, WrittenAdaptive},
     detail::Detail,
     drawing::{self, WrittenPaths},
     generator::{Generator, Seeded, problem},
@@ -42,6 +43,7 @@ pub(super) struct WrittenSource<'a> {
     layout: Option<Object<WrittenLayout<'a>>>,
     paths: Option<Object<WrittenPaths>>,
     raster: Option<Object<WrittenRaster>>,
+    adaptive: Option<Object<WrittenAdaptive>>,
     #[serde(borrow)]
     detail: Option<Object<WrittenBase<'a>>>,
 }
@@ -141,12 +143,13 @@ pub(super) fn complete(mut written: WrittenSource, at: &str, setting: &Setting, 
 }
 
 fn without_detail(written: WrittenSource, at: &str, setting: &Setting, checks: &mut Checks) -> Option<Completed> {
-    let layout = match (written.layout, written.paths, written.raster) {
-        (Some(Object(layout)), None, None) => layout,
-        (None, Some(Object(paths)), None) => return drawing::complete(paths, &format!("{at}/paths"), setting, checks),
-        (None, None, Some(Object(raster))) => return stored(&raster, &format!("{at}/raster"), setting, checks),
+    let layout = match (written.layout, written.paths, written.raster, written.adaptive) {
+        (Some(Object(layout)), None, None, None) => layout,
+        (None, Some(Object(paths)), None, None) => return drawing::complete(paths, &format!("{at}/paths"), setting, checks),
+        (None, None, Some(Object(raster)), None) => return stored(&raster, &format!("{at}/raster"), setting, checks),
+        (None, None, None, Some(Object(adaptive))) => return adaptive::complete(adaptive, &format!("{at}/adaptive"), setting, checks),
         _ => {
-            checks.add(at, "a source is either a layout, paths or a raster");
+            checks.add(at, "a source is either a layout, paths, a raster or adaptive");
             return None;
         }
     };
