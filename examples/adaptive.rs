@@ -169,12 +169,12 @@ fn distance(to: Point, way: &[Point]) -> f64 {
 
 /// What became of the samples around a way from one revision to the next.
 #[derive(Debug, Default, PartialEq, Eq)]
-pub struct Compared {
+pub(crate) struct Compared {
     /// Samples within the promised distance; all of them are as they were.
-    pub kept: usize,
+    pub(crate) kept: usize,
     /// Samples further away that differ.
-    pub changed: usize,
-    pub tiles: usize,
+    pub(crate) changed: usize,
+    pub(crate) tiles: usize,
 }
 
 /// Compares the tiles around a way.
@@ -222,7 +222,7 @@ fn place(ground: &Ground, step: f64) -> Point {
 ///
 /// # Errors
 /// If the world has no ground that adapts, an answer is not what it should be, or the promise is broken.
-pub fn walk(address: &str, name: &str, generations: usize, out: &mut impl Write) -> Result<Compared, Failure> {
+pub(crate) fn walk(address: &str, name: &str, generations: usize, out: &mut impl Write) -> Result<Compared, Failure> {
     let world = World { address, name };
     let ground = ground(&world.json("GET", "", &Value::Null)?)?;
     let heard = world.listen()?;

@@ -33,8 +33,8 @@ export async function startBrowser(url, more = [], friends = []) {
     page.on('pageerror', (error) => note(`page error: ${error.stack}`));
     page.on('requestfailed', (request) => {
       const reason = request.failure()?.errorText;
-      // Maps cancel tiles that have left the view, a closed gallery its pictures; nothing else may be cancelled.
-      const cancelled = reason === 'net::ERR_ABORTED' && /\/web\/(terrarium|contours|features|relief|quantized-mesh)\/|\/preview\.png/.test(request.url());
+      // Maps cancel tiles that have left the view, a closed gallery its pictures; a page that is left listens no longer. Nothing else may be cancelled.
+      const cancelled = reason === 'net::ERR_ABORTED' && /\/web\/(terrarium|contours|features|relief|quantized-mesh)\/|\/preview\.png|\/events\?/.test(request.url());
       if (!cancelled) note(`failed: ${request.url()} ${reason}`);
     });
     page.on('response', (response) => {

@@ -11,6 +11,7 @@ mod determinism;
 mod encoding;
 mod events;
 mod evolving;
+mod example;
 mod export;
 mod features;
 mod formats;

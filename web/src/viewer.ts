@@ -4,7 +4,7 @@ import { ask } from './dialog.ts';
 import { DrawPanel } from './drawing/panel.ts';
 import { Editor } from './editor.ts';
 import { STARTER } from './fields.ts';
-import { listen, type ServerEvent } from './events.ts';
+import { Follower } from './follower.ts';
 import { formatLink, parseLink, type Link, type Overlay } from './link.ts';
 import { TerrainMap, type View } from './map.ts';
 import { Notice } from './notice.ts';
@@ -22,8 +22,6 @@ type Panel = 'edit' | 'draw';
 /** What the server says when it is busy; it is asked again after a while. */
 const BUSY = [429, 503];
 const BUSY_WAIT_MS = 2000;
-/** Within this time what is heard of may have been saved here. */
-const OWN_SAVE_MS = 300;
 
 function find<E extends HTMLElement>(selector: string): E {
   const found = document.querySelector<E>(selector);
@@ -50,6 +48,13 @@ export class Viewer {
     created: (name) => void this.#showCreated(name),
   });
   readonly #control = new ViewControl(find('#height'), (view) => this.#changeView(view));
+  /** Hears what others make of the world that is shown. */
+  readonly #follower = new Follower({
+    settled: () => this.#renewal,
+    shows: () => this.#revision,
+    changed: (name) => void this.#compare(name),
+    gone: (name) => this.#notice.error(`The world "${name}" has been deleted.`),
+  });
   readonly #playControl = new PlayControl(() => this.#play());
   readonly #overlayControl = new OverlayControl((overlays) => this.#changeView({ overlays }));
   #terrain: TerrainMap | undefined;
@@ -58,7 +63,6 @@ export class Viewer {
   /** Of the world that is shown, as far as is known. */
   #revision: string | undefined;
   #renewal: Promise<void> = Promise.resolve();
-  #events: { stop(): void } | undefined;
   #opening = 0;
   #retry: number | undefined;
 
@@ -114,7 +118,7 @@ export class Viewer {
       if (opening !== this.#opening) return; // another world was chosen meanwhile
       this.#world = name;
       this.#revision = stored.etag.replaceAll('"', '');
-      this.#listenTo(name);
+      this.#follower.follow(name);
       this.#editor.load(name, stored);
       this.#panels.edit.button.disabled = false;
       this.#notice.clear();
@@ -161,26 +165,6 @@ export class Viewer {
     map.on('error', (event) => this.#mapFailed(event));
     new Readout(find('#readout'), terrain);
     showScale(map, find('#scale'));
-  }
-
-  /** Hears of changes that others make to the world that is shown. */
-  #listenTo(name: string): void {
-    this.#events?.stop();
-    this.#events = listen(`events?world=${name}`, {
-      heard: (event) => void this.#hear(name, event),
-      missed: () => void this.#compare(name),
-    });
-  }
-
-  async #hear(name: string, { event, data }: ServerEvent): Promise<void> {
-    if (event !== 'world' && event !== 'generation') return;
-    const { revision } = JSON.parse(data) as { revision?: string | null };
-    // What was saved here is on its way to the map already.
-    await new Promise((resolve) => setTimeout(resolve, OWN_SAVE_MS));
-    await this.#renewal;
-    if (name !== this.#world || revision === this.#revision) return;
-    if (!revision) return this.#notice.error(`The world "${name}" has been deleted.`);
-    await this.#compare(name);
   }
 
   /** Shows what others have made of the world, also in the form unless something in it would be lost. */

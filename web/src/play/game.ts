@@ -249,7 +249,20 @@ export class Game {
       refinement: this.#pace.refinement.toFixed(2), pixels: this.#pace.pixels.toFixed(2),
     });
     this.#slowest = 0;
+    this.#showAim();
     if (this.#walker.speed < 0.05) this.#link();
+  }
+
+  /** What lies in the middle of the view: how far, and how high. */
+  #showAim(): void {
+    const { place } = this.#walker;
+    const aim = this.#aim([0.5, 0.5]);
+    const height = aim && this.#terrain.height(aim);
+    const far = aim ? Math.hypot(aim.east - place.east, aim.south - place.south) : 0;
+    find('#aim').textContent = height === undefined ? '' : `ahead ${height.toFixed(0)} m, ${far.toFixed(0)} m away`;
+    Object.assign(this.#stage.dataset, {
+      aim: height?.toFixed(4) ?? '', aimEast: aim?.east.toFixed(3) ?? '', aimNorth: aim ? (-aim.south).toFixed(3) : '', far: far.toFixed(1),
+    });
   }
 
   #link(): void {

@@ -1,0 +1,208 @@
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { settled, startBrowser } from './browser.mjs';
+import { startServer } from './server.mjs';
+
+let server, browser;
+
+before(async () => {
+  server = await startServer();
+  browser = await startBrowser(server.url);
+});
+
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+
+/** Pictures only when something has changed: without a graphics card each takes long. */
+const CALM = { reducedMotion: 'reduce' };
+const DESKTOP = { viewport: { width: 1280, height: 800 }, ...CALM };
+const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, ...CALM };
+
+/** What the page says of itself. */
+const said = async (page) => {
+  const told = await page.locator('#play').evaluate(({ dataset }) => ({ ...dataset }));
+  const number = (name) => Number(told[name]);
+  return { ...told, east: number('east'), north: number('north'), eye: number('eye'), ground: number('ground'), aim: number('aim'), far: number('far') };
+};
+
+const ready = (page) => page.waitForFunction(() => document.querySelector('#play').dataset.ready);
+
+/** Waits until nothing moves or is being loaded, and the page has said so. */
+async function still(page) {
+  await page.waitForTimeout(300);
+  await page.waitForFunction(() => document.querySelector('#play').dataset.still === 'true');
+  return said(page);
+}
+
+const generation = (page, number) => page.waitForFunction((n) => document.querySelector('#life').dataset.generation === String(n), number);
+
+const screenshot = (page, name) => page.screenshot({ path: new URL(`out/${name}.png`, import.meta.url).pathname });
+
+async function hold(page, key, milliseconds) {
+  await page.keyboard.down(key);
+  await page.waitForTimeout(milliseconds);
+  await page.keyboard.up(key);
+}
+
+const feed = async (body) => {
+  const response = await fetch(`${server.url}/worlds/living/feedback`, { method: 'POST', body: JSON.stringify(body) });
+  assert.equal(response.status, 200);
+  return response.json();
+};
+
+test('one walks by keyboard alone, on the ground, and shapes what lies ahead', async () => {
+  const page = await browser.open('#world=living&zoom=13&at=0,0', DESKTOP);
+  await settled(page);
+  await page.keyboard.press('p'); // from the map into the world
+  await page.waitForURL(/play\.html\?world=living#at=/);
+  await ready(page);
+  const first = await still(page);
+  await screenshot(page, 'play');
+  assert.ok(Math.abs(first.eye - Math.max(0, first.ground) - 1.7) < 1e-3, `stands: ${first.eye} over ${first.ground}`);
+  assert.equal(first.spacing, '0.5');
+  const spot = `x=${first.east}&y=${first.north}`;
+  const exact = await server.get(`worlds/living/elevation?${spot}&spacing=0.5`);
+  assert.ok(Math.abs(exact.elevation - first.ground) < 0.05, `${exact.elevation} ${first.ground}`);
+
+  await hold(page, 'w', 2500);
+  const walked = await still(page);
+  assert.ok(Math.hypot(walked.east - first.east, walked.north - first.north) > 3, 'W walks');
+  assert.ok(Math.abs(walked.eye - Math.max(0, walked.ground) - 1.7) < 0.01, 'on the ground');
+  await hold(page, 'ArrowRight', 400);
+  assert.notEqual((await still(page)).heading, walked.heading, 'the arrow turns');
+
+  // Up, to see far; from the air nobody is promised anything.
+  await page.keyboard.press('f');
+  await hold(page, 'r', 2500);
+  await hold(page, 'PageDown', 250);
+  const high = await still(page);
+  assert.equal(high.flying, 'true');
+  assert.ok(high.eye > high.ground + 15, `${high.eye} over ${high.ground}`);
+  await page.selectOption('#reach', '');
+  await page.locator('#ground').focus();
+  const before = await said(page);
+  await page.keyboard.press('Enter');
+  await generation(page, 1);
+  await page.waitForFunction((old) => document.querySelector('#play').dataset.revision !== old, before.revision);
+  const after = await still(page);
+  await screenshot(page, 'play-shaped');
+  assert.notEqual(after.ground, before.ground, 'the ground is another');
+  const moved = await server.get(`worlds/living/elevation?x=${after.east}&y=${after.north}&spacing=0.5`);
+  assert.ok(Math.abs(moved.elevation - after.ground) < 0.05, 'and the one that the server tells');
+
+  // Back to the first: only while nobody walks.
+  const strip = page.locator('#past');
+  await strip.focus();
+  await page.keyboard.press('Home');
+  await generation(page, 0);
+  await page.waitForFunction((old) => document.querySelector('#play').dataset.revision !== old, after.revision);
+  assert.equal((await still(page)).ground, before.ground, 'as it was');
+  assert.equal(await strip.getAttribute('max'), '1', 'what came after can be gone on to');
+  await page.locator('#ground').focus();
+  await page.keyboard.press('f');
+  await page.waitForFunction(() => document.querySelector('#past').disabled);
+  assert.match(await page.locator('#past-reason').textContent(), /fly/);
+
+  await page.keyboard.press('h');
+  assert.ok(await page.locator('#help').isHidden());
+  await page.keyboard.press('m');
+  await page.waitForURL(/#world=living&at=/);
+  await settled(page);
+  await page.context().close();
+});
+
+test('the ground ahead adapts to who walks, and the ground below stays', async () => {
+  const page = await browser.open('play.html?world=living#at=-600,-500&to=40', { viewport: { width: 640, height: 400 }, ...CALM });
+  await ready(page);
+  const { generations } = await server.get('worlds/living/generations');
+  await page.keyboard.press('g');
+  assert.ok(await page.locator('#ahead').isChecked());
+  await page.keyboard.down('Shift');
+  await page.keyboard.down('w');
+  await generation(page, generations.length);
+  const there = await said(page);
+  await page.keyboard.up('w');
+  await page.keyboard.up('Shift');
+  const rested = await still(page);
+  const old = await server.get(`worlds/living@${there.revision}/elevation?x=${rested.east}&y=${rested.north}&spacing=0.5`);
+  const now = await server.get(`worlds/living/elevation?x=${rested.east}&y=${rested.north}&spacing=0.5`);
+  assert.ok(Math.hypot(rested.east + 600, rested.north + 500) > 40);
+  assert.equal(old.elevation, now.elevation, 'what is under the player does not move');
+  const refused = await fetch(`${server.url}/worlds/living/generation`, { method: 'PUT', body: '{"generation": 0}' });
+  assert.equal(refused.status, 409);
+  await screenshot(page, 'play-ahead');
+  await page.context().close();
+});
+
+test('on a phone a tap shapes', async () => {
+  const page = await browser.open('play.html?world=living#at=300,200&to=300', PHONE);
+  await ready(page);
+  await still(page);
+  await screenshot(page, 'play-phone');
+  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
+  const old = await page.locator('#life').getAttribute('data-generation');
+  await page.touchscreen.tap(195, 560);
+  await generation(page, Number(old) + 1);
+  await page.tap('#help-button');
+  await screenshot(page, 'play-phone-help');
+  assert.ok(await page.locator('#help').isVisible());
+  await page.context().close();
+});
+
+test('what others do is seen at once, on the map and in the game', async () => {
+  const map = await browser.open('#world=living&zoom=13&at=0,0', CALM);
+  await settled(map);
+  const game = await browser.open('play.html?world=living#at=900,900&to=200', { viewport: { width: 480, height: 320 }, ...CALM });
+  await ready(game);
+  await game.keyboard.press('f');
+  const before = await still(game);
+  const tile = map.waitForRequest((request) => /living@[0-9a-f]{32}\/web\/terrarium/.test(request.url()));
+  const { generation: bred, revision } = await feed({ points: [[before.east, before.north]] });
+  assert.ok((await tile).url().includes(revision), 'the map asks for the new revision');
+  await settled(map);
+  await generation(game, bred.number);
+  await game.waitForFunction((revision) => document.querySelector('#play').dataset.revision === revision, revision);
+  await screenshot(map, 'play-map');
+  await map.context().close();
+  await game.context().close();
+});
+
+test('an event comes soon after the answer', async (t) => {
+  const page = await browser.open('healthz', CALM);
+  const times = await page.evaluate(async () => {
+    const events = new EventSource('events?world=living');
+    const heard = new Map();
+    events.addEventListener('generation', ({ data }) => heard.set(JSON.parse(data).revision, performance.now()));
+    await new Promise((resolve) => (events.onopen = resolve));
+    const times = [];
+    for (let i = 0; i < 50; i++) {
+      const asked = performance.now();
+      const response = await fetch('worlds/living/feedback', { method: 'POST', body: JSON.stringify({ heights: [60 + 5 * i] }) });
+      const { revision } = await response.json();
+      const answered = performance.now();
+      while (!heard.has(revision)) await new Promise((resolve) => setTimeout(resolve, 0));
+      times.push({ asked: answered - asked, heard: heard.get(revision) - asked, after: heard.get(revision) - answered });
+    }
+    events.close();
+    return times;
+  });
+  const quantile = (name, q) => times.map((time) => time[name]).sort((a, b) => a - b)[Math.min(49, Math.ceil(50 * q) - 1)].toFixed(1);
+  for (const name of ['asked', 'heard', 'after']) t.diagnostic(`${name}: p50 ${quantile(name, 0.5)} ms, p99 ${quantile(name, 0.99)} ms`);
+  assert.equal(times.length, 50);
+  assert.ok(Number(quantile('after', 0.99)) < 1000);
+  await page.context().close();
+});
+
+test('a world without such ground is there to be walked in', async () => {
+  const page = await browser.open('play.html?world=alps#at=114000,-88000&to=60', { viewport: { width: 900, height: 640 }, ...CALM });
+  await ready(page);
+  await still(page);
+  await page.click('#help-close');
+  await screenshot(page, 'play-alps');
+  assert.ok(await page.locator('#life').isHidden());
+  await page.context().close();
+});
+
+test('no page had errors', () => assert.deepEqual(browser.faults, []));
