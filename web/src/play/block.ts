@@ -5,17 +5,29 @@ export const TEXELS = VERTICES + 2;
 /** Numbers of a layer: per texel the height before and its parent's, the height now and its parent's. */
 export const LAYER = TEXELS * TEXELS * 4;
 
+/** Heights, and the least and the greatest of them. */
+export interface Measured {
+  heights: Float32Array;
+  low: number;
+  high: number;
+}
+
+export function measured(heights: Float32Array): Measured {
+  let [low, high] = [Infinity, -Infinity];
+  for (const height of heights) {
+    if (height < low) low = height;
+    if (height > high) high = height;
+  }
+  return { heights, low, high };
+}
+
 /** A square of ground: its heights before and after the newest change, and its place in the texture. */
 export class Block {
-  /** Heights of the revision that is shown, and of the one that it was before the ground began to move. */
-  now: Float32Array;
-  before: Float32Array;
-  /** Heights of the next revision, once they are known; the same array as `now` where nothing changes. */
-  next: Float32Array | undefined;
+  #now: Measured;
+  #before: Measured;
+  /** Heights of the next revision once they are known, those of now where nothing changes. */
+  next: Measured | undefined;
   nextTag = '';
-  /** Least and greatest height of `before` and `now`. */
-  low = 0;
-  high = 0;
   /** Last frame in which it was needed. */
   used = 0;
 
@@ -26,22 +38,54 @@ export class Block {
     readonly layer: number,
     readonly parent: Block | undefined,
   ) {
-    this.now = this.before = heights;
-    this.measure();
+    this.#now = this.#before = measured(heights);
   }
 
   get side(): number {
     return sideOf(this.address.z);
   }
 
-  measure(): void {
-    [this.low, this.high] = [Infinity, -Infinity];
-    for (const heights of this.now === this.before ? [this.now] : [this.now, this.before]) {
-      for (const height of heights) {
-        if (height < this.low) this.low = height;
-        if (height > this.high) this.high = height;
-      }
-    }
+  /** Heights of the revision that is shown. */
+  get now(): Float32Array {
+    return this.#now.heights;
+  }
+
+  /** Heights of the revision from which the ground moves to this one. */
+  get before(): Float32Array {
+    return this.#before.heights;
+  }
+
+  /** Least and greatest height, before and now. */
+  get low(): number {
+    return Math.min(this.#now.low, this.#before.low);
+  }
+
+  get high(): number {
+    return Math.max(this.#now.high, this.#before.high);
+  }
+
+  get moves(): boolean {
+    return this.#before !== this.#now;
+  }
+
+  /** The next heights are known: others, or those of now. */
+  expect(heights: Float32Array | undefined, tag: string): void {
+    this.next = heights ? measured(heights) : this.#now;
+    this.nextTag = tag;
+  }
+
+  /** What is now becomes what was before; what is next, if it is known, is now. */
+  turn(): void {
+    this.#before = this.#now;
+    if (!this.next) return;
+    this.#now = this.next;
+    this.tag = this.nextTag;
+    this.next = undefined;
+  }
+
+  /** It has arrived. */
+  settle(): void {
+    this.#before = this.#now;
   }
 
   /** The height at a place of the block while `share` of the way from before to now is done. */
@@ -50,7 +94,7 @@ export class Block {
     const spacing = this.side / CELLS;
     const [column, row] = [(east - x * this.side) / spacing, (south - y * this.side) / spacing];
     const now = heightIn(this.now, column, row);
-    return this.before === this.now ? now : now * share + heightIn(this.before, column, row) * (1 - share);
+    return this.moves ? now * share + heightIn(this.before, column, row) * (1 - share) : now;
   }
 }
 

@@ -5,6 +5,7 @@ import { toLonLat, toMetres } from '../mercator.ts';
 import { Notice } from '../notice.ts';
 import { Controls, type Deed } from './controls.ts';
 import { Life, type GenerationNews } from './life.ts';
+import { Others } from './others.ts';
 import { Pace } from './pace.ts';
 import { find } from './page.ts';
 import { meet } from './ray.ts';
@@ -44,6 +45,7 @@ export class Game {
   readonly #help = find('#help');
   readonly #flyButton = find<HTMLButtonElement>('#fly');
   readonly #helpButton = find<HTMLButtonElement>('#help-button');
+  readonly #others = new Others();
   readonly #walker = new Walker();
   readonly #pace = new Pace(matchMedia('(pointer: coarse)').matches ? PHONE_REFINEMENT : MOST_REFINEMENT);
   readonly #controls = new Controls(this.#canvas, find('#stick'), {
@@ -202,9 +204,14 @@ export class Game {
       ring: this.#ring(), pulse: this.#pulsing(now),
     };
     this.#view.draw(quarters, this.#pace.refinement, seen);
+    this.#point();
     this.#stale = !this.#terrain.still;
     this.#stage.dataset['pictures'] = String(++this.#pictures);
     if (this.#terrain.still && this.#stands) this.#settled();
+  }
+
+  #point(): void {
+    if (this.#life) this.#others.show(this.#life.others, this.#view, this.#walker, (there) => this.#surface(there));
   }
 
   #settled(): void {
@@ -250,6 +257,7 @@ export class Game {
     });
     this.#slowest = 0;
     this.#showAim();
+    this.#point();
     if (this.#walker.speed < 0.05) this.#link();
   }
 

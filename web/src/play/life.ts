@@ -70,6 +70,8 @@ export class Life {
   #refused = '';
   /** How far around the player the ground stays. */
   promise = 0;
+  /** Who else walks here, as last heard. */
+  others: { name: string; place: Place }[] = [];
 
   constructor(
     readonly world: string,
@@ -160,6 +162,9 @@ export class Life {
     try {
       const players = await readPlayers(this.world);
       this.#players.textContent = players.length === 1 ? '1 walks here' : `${players.length} walk here`;
+      this.others = players
+        .filter(({ name }) => name !== this.#name)
+        .map(({ name, position: [x, y] }) => ({ name, place: { east: x, south: -y } }));
       if (players.length === 0) this.#refused = '';
       this.#showPast();
     } catch {

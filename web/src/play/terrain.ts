@@ -11,7 +11,7 @@ export interface Quarter {
 /** Ground further away is not drawn. */
 export const HORIZON = 26_000;
 /** Layers that may be filled in a frame, so that none takes long. */
-const FILLS_A_FRAME = 8;
+const FILLS_A_FRAME = 6;
 /** How long the ground takes from one revision to the next. */
 const MOVE_S = 0.7;
 /**
@@ -267,8 +267,7 @@ export class Terrain {
         if (this.#target !== target) return;
         this.#checked.delete(block);
         if (!answer) return; // asked again
-        block.next = answer.heights ?? block.now;
-        block.nextTag = answer.tag;
+        block.expect(answer.heights, answer.tag);
       };
       void this.#loader.ask(target.revision, block.address, block.tag, take).then(() => this.#check());
     }
@@ -278,14 +277,7 @@ export class Terrain {
   #write(target: Target): void {
     this.revision = target.revision;
     this.#share = 0;
-    for (const block of this.#blocks.values()) {
-      block.before = block.now;
-      if (!block.next) continue;
-      block.now = block.next;
-      block.tag = block.nextTag;
-      block.next = undefined;
-      block.measure();
-    }
+    for (const block of this.#blocks.values()) block.turn();
     this.#phase = 'filling';
     this.#touch();
     if (this.#dirty.size === 0) this.#rest();
@@ -293,9 +285,8 @@ export class Terrain {
 
   /** What moves is to be written, and what lies beside or below it and shows its heights, too. */
   #touch(): void {
-    const moves = (block: Block | undefined) => block !== undefined && block.before !== block.now;
     for (const block of this.#blocks.values()) {
-      if (moves(block) || moves(block.parent) || this.#beside(block).some(moves)) this.#dirty.add(block);
+      if (block.moves || block.parent?.moves || this.#beside(block).some(({ moves }) => moves)) this.#dirty.add(block);
     }
   }
 
@@ -321,9 +312,6 @@ export class Terrain {
     this.#phase = 'settling';
     this.#target = undefined;
     this.#touch();
-    for (const block of this.#blocks.values()) {
-      block.before = block.now;
-      block.measure();
-    }
+    for (const block of this.#blocks.values()) block.settle();
   }
 }

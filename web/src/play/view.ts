@@ -205,6 +205,13 @@ export class View {
     return { east: far.x, south: far.z, up: far.y };
   }
 
+  /** Where in the picture (0 … 1 from its left and top) a point is, `up` metres above the eye; nowhere if it is behind or aside. */
+  point(from: Place, { east, south }: Place, up: number): readonly [number, number] | undefined {
+    const at = new Vector4(east - from.east, up, south - from.south, 1).applyMatrix4(this.#viewProjection);
+    const [across, down] = [0.5 + 0.5 * (at.x / at.w), 0.5 - 0.5 * (at.y / at.w)];
+    return at.w > 0 && Math.abs(across - 0.5) < 0.55 && Math.abs(down - 0.5) < 0.55 ? [across, down] : undefined;
+  }
+
   /** Draws a picture of what `look` has chosen. */
   draw(quarters: readonly Quarter[], refinement: number, seen: Seen): void {
     const { place } = seen;
