@@ -168,12 +168,14 @@ export class Game {
     if (document.hidden) return;
     const begun = performance.now();
     this.#move(seconds);
-    this.#view.resize(Math.min(2, devicePixelRatio) * this.#pace.pixels);
     const moves = this.#controls.active || this.#walker.speed > 0.02 || this.#pulse !== undefined;
-    const needed = this.#stale || moves || !reduced.matches || !this.#terrain.still;
+    const lively = this.#stale || moves || !reduced.matches || !this.#terrain.still;
+    // Where nothing moves there is time for all pixels.
+    const resized = this.#view.resize(Math.min(2, devicePixelRatio) * (lively ? this.#pace.pixels : 1));
+    const needed = lively || resized;
     if (needed) this.#draw(now, seconds);
-    if (needed && this.#drawn && apart < 1000) this.#pace.tell(apart);
-    this.#drawn = needed;
+    if (lively && this.#drawn && apart < 1000) this.#pace.tell(apart);
+    this.#drawn = lively;
     this.#slowest = Math.max(this.#slowest, performance.now() - begun);
     if (now - this.#shown > SHOW_MS) this.#show(now);
   }

@@ -161,7 +161,7 @@ export class Life {
     if (document.hidden) return;
     try {
       const players = await readPlayers(this.world);
-      this.#players.textContent = players.length === 1 ? '1 walks here' : `${players.length} walk here`;
+      this.#players.textContent = ['nobody walks here', '1 walks here'][players.length] ?? `${players.length} walk here`;
       this.others = players
         .filter(({ name }) => name !== this.#name)
         .map(({ name, position: [x, y] }) => ({ name, place: { east: x, south: -y } }));

@@ -171,7 +171,9 @@ vec3 water(vec3 view, vec3 bed, float far) {
 /** A line on the ground around a place. */
 float circle(vec4 around, float width) {
   float far = distance(offset.xz, around.xy);
-  float line = max(width, 0.0022 * length(offset)); // two pixels
+  float eye_far = length(offset);
+  float facing = max(abs(dot(offset / eye_far, normalize(normal))), 0.1);
+  float line = max(width, min(0.0022 * eye_far / facing, 4.0)); // two pixels, also of ground that is seen from aside
   return around.w * (1.0 - smoothstep(0.5 * line, line, abs(far - around.z)));
 }
 

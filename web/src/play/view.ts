@@ -169,17 +169,18 @@ export class View {
     if (this.#heights) this.#heights.needsUpdate = true;
   }
 
-  /** Fits the picture to the canvas; `ratio` is of its pixels to the page's. */
-  resize(ratio: number): void {
+  /** Fits the picture to the canvas; `ratio` is of its pixels to the page's. Answers whether it is to be drawn anew. */
+  resize(ratio: number): boolean {
     const { clientWidth, clientHeight } = this.canvas;
     const size = [Math.round(clientWidth * ratio), Math.round(clientHeight * ratio)] as const;
-    if (size[0] === this.canvas.width && size[1] === this.canvas.height && ratio === this.#ratio) return;
+    if (size[0] === this.canvas.width && size[1] === this.canvas.height && ratio === this.#ratio) return false;
     this.#ratio = ratio;
     this.renderer.setSize(Math.max(1, size[0]), Math.max(1, size[1]), false);
     this.#camera.aspect = Math.max(1, clientWidth) / Math.max(1, clientHeight);
     // Upright phones see as far to the sides as they can without a fish's eye.
     this.#camera.fov = this.#camera.aspect < 1 ? 76 : FIELD_OF_VIEW;
     this.#camera.updateProjectionMatrix();
+    return true;
   }
 
   /** Looks from somewhere; answers which blocks are in view from there. */
