@@ -137,12 +137,12 @@ pub(super) async fn feed(app: &App, asker: Asker, name: String, said: Said, cond
         if as_players {
             let area = old.terrain().area();
             let before = feedback.points.len();
-            feedback.points.extend(players.ways(&layer.name).iter().filter_map(|way| way.last()).filter(|&&position| area.holds(position)));
+            feedback.points.extend(players.positions().filter(|&position| area.holds(position)));
             if feedback.points.len() == before {
                 return Err(invalid("/players", "no player is on the ground of the layer"));
             }
         }
-        feedback.ways = players.ways(&layer.name);
+        (feedback.ways, feedback.margin) = players.ways(&layer.name);
         asker.pay(&app, feedback.cost_ns(old.ground()))?;
         let bred = bred(&app, Arc::clone(old), feedback).await?;
         let changed = save(&app, &live, (i, &layer.name), old, bred).await?;

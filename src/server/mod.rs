@@ -7,6 +7,7 @@ mod budget;
 mod compute;
 mod config;
 mod connections;
+mod cover;
 mod editing;
 mod embedded;
 mod error;

@@ -1,5 +1,6 @@
 //! Who plays in which world: where everybody is, and was since each layer's newest generation. In memory alone.
 
+use super::cover::Cover;
 use crate::evolve::Ground;
 use std::{
     collections::BTreeMap,
@@ -11,8 +12,11 @@ use tokio::sync::{Mutex as Turn, OwnedMutexGuard};
 /// Most players of a world.
 const MAX_PLAYERS: usize = 64;
 
-/// Most positions of one since the last generation.
-const MAX_POSITIONS: usize = 4096;
+/// Most positions of one that are kept as they are: of longer ways, squares that hold them.
+const MAX_POSITIONS: usize = 512;
+
+/// Most squares of one: with the positions of all no more than a feedback may hold.
+const MAX_SQUARES: f64 = 448.0;
 
 /// Most nanoseconds that the ways of all may add to a generation.
 const MOST_NS: f64 = 2e9;
@@ -26,6 +30,8 @@ struct Player {
     way: Vec<[f64; 2]>,
     /// Of layers from which position on the way counts for their next generation; of others all do.
     counts: BTreeMap<String, usize>,
+    /// Of layers what it went through before that.
+    covers: BTreeMap<String, Cover>,
     seen: Instant,
 }
 
@@ -37,18 +43,43 @@ impl Player {
     fn position(&self) -> [f64; 2] {
         self.way.last().copied().unwrap_or_default()
     }
+
+    /// Keeps of ways that are too long, or would take too long to be kept from changing, the squares that they went through.
+    fn shorten(&mut self, grounds: &[(&str, &Ground)]) {
+        for &(layer, ground) in grounds {
+            let (way, most_ns) = (self.way(layer), MOST_NS / MAX_PLAYERS as f64);
+            let point_ns = ground.part_ns([0.0; 2], [0.0; 2]);
+            let covered = self.covers.get(layer).map_or(0, |cover| cover.points().count());
+            let own_ns = way.windows(2).map(|pair| ground.part_ns(pair[0], pair[1])).sum::<f64>() + point_ns * covered as f64;
+            if way.len() > MAX_POSITIONS || (way.len() > 1 && own_ns > most_ns) {
+                let most = (most_ns / point_ns / 2.0).clamp(1.0, MAX_SQUARES) as usize;
+                let mut cover = self.covers.get(layer).cloned().unwrap_or_default();
+                cover.add(way, (ground.promise / 4.0).max(ground.cell), most);
+                self.covers.insert(layer.to_owned(), cover);
+                self.counts.insert(layer.to_owned(), self.way.len() - 1);
+            }
+        }
+        let names: Vec<&str> = grounds.iter().map(|(layer, _)| *layer).collect();
+        self.forget(&names);
+    }
+
+    /// Forgets what counts for none of the layers that evolve.
+    fn forget(&mut self, layers: &[&str]) {
+        self.counts.retain(|known, _| layers.contains(&known.as_str()));
+        self.covers.retain(|known, _| layers.contains(&known.as_str()));
+        let done = layers.iter().map(|layer| self.counts.get(*layer).copied().unwrap_or(0)).min().unwrap_or(self.way.len() - 1);
+        self.way.drain(..done);
+        self.counts.values_mut().for_each(|from| *from -= done);
+    }
 }
 
 /// The players of a world.
 #[derive(Default)]
 pub(super) struct Room(BTreeMap<String, Player>);
 
-/// Why somebody cannot come or go on.
+/// As many players as a world can have are there.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Refused {
-    Full,
-    TooLong,
-}
+pub(super) struct Full;
 
 impl Room {
     /// Forgets who is gone.
@@ -56,27 +87,20 @@ impl Room {
         self.0.retain(|_, player| now.saturating_duration_since(player.seen) < GONE);
     }
 
-    /// Somebody comes, or goes on along some positions, over these layers.
-    pub(super) fn go(&mut self, name: &str, positions: &[[f64; 2]], grounds: &[(&str, &Ground)], now: Instant) -> Result<(), Refused> {
-        let known = self.0.get(name);
-        if known.is_none() && self.0.len() >= MAX_PLAYERS {
-            return Err(Refused::Full);
+    /// Somebody comes, or goes on along some positions, of which there is one at least, over these layers.
+    pub(super) fn go(&mut self, name: &str, positions: &[[f64; 2]], grounds: &[(&str, &Ground)], now: Instant) -> Result<(), Full> {
+        if !self.0.contains_key(name) && self.0.len() >= MAX_PLAYERS {
+            return Err(Full);
         }
-        let mut way = known.map_or_else(Vec::new, |player| player.way.clone());
-        way.extend(positions);
-        way.dedup();
-        let took_ns = |(layer, ground): &(&str, &Ground)| self.0.values().flat_map(|player| player.way(layer).windows(2)).map(part(ground)).sum::<f64>();
-        let own_ns = |(_, ground): &(&str, &Ground)| way.windows(2).map(part(ground)).sum::<f64>();
-        if !grounds.is_empty() && (way.len() > MAX_POSITIONS || grounds.iter().any(|ground| took_ns(ground) + own_ns(ground) > MOST_NS)) {
-            return Err(Refused::TooLong);
+        let new = || Player { way: Vec::new(), counts: BTreeMap::new(), covers: BTreeMap::new(), seen: now };
+        let player = self.0.entry(name.to_owned()).or_insert_with(new);
+        for &position in positions {
+            if player.way.last() != Some(&position) {
+                player.way.push(position);
+            }
         }
-        if grounds.is_empty() {
-            way.drain(..way.len().saturating_sub(1));
-        }
-        match self.0.get_mut(name) {
-            Some(player) => (player.way, player.seen) = (way, now),
-            None => drop(self.0.insert(name.to_owned(), Player { way, counts: BTreeMap::new(), seen: now })),
-        }
+        player.seen = now;
+        player.shorten(grounds);
         Ok(())
     }
 
@@ -85,9 +109,17 @@ impl Room {
         self.0.remove(name).is_some()
     }
 
-    /// The ways of all since a layer's last generation, each ending where one is.
-    pub(super) fn ways(&self, layer: &str) -> Vec<Vec<[f64; 2]>> {
-        self.0.values().map(|player| player.way(layer).to_vec()).collect()
+    /// The ways of all since a layer's last generation, each ending where one is, and how many metres they may be off.
+    pub(super) fn ways(&self, layer: &str) -> (Vec<Vec<[f64; 2]>>, f64) {
+        let covers = || self.0.values().filter_map(|player| player.covers.get(layer));
+        let squares = covers().flat_map(Cover::points).map(|point| vec![point]);
+        let ways = self.0.values().map(|player| player.way(layer).to_vec()).chain(squares).collect();
+        (ways, covers().map(Cover::margin).fold(0.0, f64::max))
+    }
+
+    /// Where all are.
+    pub(super) fn positions(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.0.values().map(Player::position)
     }
 
     /// All by name, each with its position and how long ago it was heard of.
@@ -98,11 +130,9 @@ impl Room {
     /// A generation of a layer was bred with these ways: for the next of it only where players are counts, and where they go. `layers` are all that evolve.
     pub(super) fn rest(&mut self, layer: &str, layers: &[&str]) {
         for player in self.0.values_mut() {
-            player.counts.retain(|known, _| layers.contains(&known.as_str()));
             player.counts.insert(layer.to_owned(), player.way.len() - 1);
-            let done = layers.iter().map(|layer| player.counts.get(*layer).copied().unwrap_or(0)).min().unwrap_or(0);
-            player.way.drain(..done);
-            player.counts.values_mut().for_each(|from| *from -= done);
+            player.covers.remove(layer);
+            player.forget(layers);
         }
     }
 
@@ -111,10 +141,6 @@ impl Room {
         let area = ground.area().grown(ground.promise);
         self.0.iter().find(|(_, player)| area.holds(player.position())).map(|(name, _)| name.as_str())
     }
-}
-
-fn part(ground: &Ground) -> impl Fn(&[[f64; 2]]) -> f64 + '_ {
-    |pair| ground.part_ns(pair[0], pair[1])
 }
 
 /// A world's players, held: nobody comes or goes on, and no generation is bred, until it is dropped.
@@ -159,11 +185,12 @@ mod tests {
         room.go("one", &[at(0.0), at(1.0)], &grounds, now).expect("room");
         room.rest("a", &["a", "b"]);
         room.go("one", &[at(1.0), at(2.0)], &grounds, now).expect("room");
-        assert_eq!((room.ways("a"), room.ways("b")), (vec![vec![at(1.0), at(2.0)]], vec![vec![at(0.0), at(1.0), at(2.0)]]));
+        let ways = |room: &Room| [room.ways("a").0, room.ways("b").0];
+        assert_eq!(ways(&room), [vec![vec![at(1.0), at(2.0)]], vec![vec![at(0.0), at(1.0), at(2.0)]]]);
         room.rest("b", &["a", "b"]);
-        assert_eq!((room.ways("a"), room.ways("b")), (vec![vec![at(1.0), at(2.0)]], vec![vec![at(2.0)]]));
+        assert_eq!(ways(&room), [vec![vec![at(1.0), at(2.0)]], vec![vec![at(2.0)]]]);
         room.rest("a", &["a"]);
-        assert_eq!((room.ways("a"), room.0["one"].way.len()), (vec![vec![at(2.0)]], 1));
+        assert_eq!((room.ways("a"), room.0["one"].way.len()), ((vec![vec![at(2.0)]], 0.0), 1));
         assert!(room.near(&ground) == Some("one") && room.leave("one") && !room.leave("one") && room.near(&ground).is_none());
     }
 
@@ -174,15 +201,40 @@ mod tests {
         for i in 0..MAX_PLAYERS {
             room.go(&i.to_string(), &[[0.0, 0.0]], &grounds, now).expect("room");
         }
-        assert_eq!(room.go("more", &[[0.0, 0.0]], &grounds, now), Err(Refused::Full));
-        let long: Vec<_> = (0..=MAX_POSITIONS as u32).map(|i| [f64::from(i), 0.0]).collect();
-        assert_eq!(room.go("0", &long, &grounds, now), Err(Refused::TooLong));
-        assert_eq!(room.ways("a")[0], [[0.0, 0.0]]);
-        let vast = Ground { promise: 1e6, lines: 1025, length: 1023, passes: 0, ..Ground::default() };
-        assert_eq!(room.go("1", &long[..200], &[("a", &vast)], now), Err(Refused::TooLong));
+        assert_eq!(room.go("more", &[[0.0, 0.0]], &grounds, now), Err(Full));
         room.go("0", &[[5.0, 0.0]], &grounds, now + GONE / 2).expect("room");
         room.tidy(now + GONE);
         assert_eq!(room.all(now + GONE).map(|(name, ..)| name).collect::<Vec<_>>(), ["0"]);
+    }
+
+    /// However long a way is, and however far nothing may change around it: it is kept, or squares that hold it are.
+    #[test]
+    fn long_ways_are_kept_in_squares() {
+        let vast = Ground { promise: 1e5, fade: 500, lines: 1025, length: 1023, passes: 0, ..Ground::default() };
+        for ground in [Ground::default(), vast] {
+            let (mut room, now, mut draws) = (Room::default(), Instant::now(), crate::genetic::Draws::new(1));
+            let (mut at, mut all) = ([600.0, 600.0], Vec::new());
+            for _ in 0..300 {
+                let part: Vec<[f64; 2]> = (0..20)
+                    .map(|_| {
+                        at = [at[0] + 5.0 * draws.normal(), at[1] + 5.0 * draws.normal()];
+                        at
+                    })
+                    .collect();
+                room.go("one", &part, &[("a", &ground)], now).expect("room");
+                all.extend(part);
+            }
+            let (ways, margin) = room.ways("a");
+            assert!(ways.iter().map(Vec::len).sum::<usize>() <= 2 * MAX_POSITIONS && margin > 0.0 && margin <= 2.0 * ground.promise, "{margin}");
+            for point in all.iter().step_by(11) {
+                let off = |position: &[f64; 2]| libm::hypot(position[0] - point[0], position[1] - point[1]);
+                assert!(ways.iter().flatten().map(off).fold(f64::INFINITY, f64::min) <= margin);
+            }
+            let feedback = crate::evolve::Feedback { ways, margin, ..crate::evolve::Feedback::height(100.0) };
+            assert!(feedback.cost_ns(&ground) < ground.cost_ns() + MOST_NS / 20.0 + 5.0 * ground.part_ns([0.0; 2], [0.0; 2]));
+            room.rest("a", &["a"]);
+            assert_eq!(room.ways("a"), (vec![vec![at]], 0.0));
+        }
     }
 
     #[tokio::test]

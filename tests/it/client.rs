@@ -74,6 +74,11 @@ impl Client {
         Self::over(folder, change).await
     }
 
+    /// Where it keeps what it stores.
+    pub(crate) fn folder(&self) -> &std::path::Path {
+        self.folder.path()
+    }
+
     pub(crate) async fn get(&self, path: &str) -> Answer {
         self.send(Method::GET, path, &[], "").await
     }

@@ -1,8 +1,16 @@
 //! Ground that evolves while it is used, over HTTP: generations and the revisions that pin them, players and what they are promised.
 
-use crate::client::{Answer, Client};
+use crate::{
+    client::{Answer, Client},
+    process::{Server, text},
+};
 use axum::http::{Method, StatusCode};
 use serde_json::{Value, json};
+use std::{
+    process::Command,
+    sync::atomic::{AtomicU64, Ordering::SeqCst},
+    time::Duration,
+};
 use terrane::{evolve, genetic::Draws};
 
 /// 129 × 129 nodes, 1,280 m a side.
@@ -303,4 +311,112 @@ async fn nothing_changes_around_players() {
         changed += usize::from(client.get("/worlds/live/metric/r32/14/0/-1@129.bin").await.body != all);
     }
     assert!(seen > 2000 && changed == 12, "{seen} {changed}");
+}
+
+/// What was answered is on disk, and what was not is there wholly or not at all, whenever the server is killed.
+#[test]
+fn a_server_that_is_killed_has_whole_generations() {
+    let (folder, answered) = (tempfile::tempdir().unwrap(), AtomicU64::new(0));
+    for round in 0..4 {
+        let server = Server::start(folder.path());
+        if round == 0 {
+            let (status, body) = server.request("PUT", "/worlds/live", &world(&json!({"seed": 5}))).unwrap();
+            assert_eq!(status, 201, "{}", text(&body));
+        }
+        let listed: Value = serde_json::from_slice(&server.get("/worlds/live/generations")).unwrap();
+        let (there, told) = (listed["generations"].as_array().unwrap().len() as u64 - 1, answered.load(SeqCst));
+        assert!((told..=told + 4).contains(&there), "{there} generations are there, {told} were answered");
+        let document: Value = serde_json::from_slice(&server.get("/worlds/live")).unwrap();
+        assert_eq!(document["layers"][0]["source"]["adaptive"]["generation"], listed["current"]);
+        server.get("/worlds/live/elevation?x=640&y=640");
+        answered.store(there, SeqCst);
+        std::thread::scope(|scope| {
+            let (server, answered) = (&server, &answered);
+            for i in 0..4 {
+                scope.spawn(move || {
+                    let body = json!({"points": [[100 * i + 50, 700]]}).to_string();
+                    while let Ok((200, fed)) = server.request("POST", "/worlds/live/feedback", &body) {
+                        let fed: Value = serde_json::from_slice(&fed).unwrap();
+                        answered.fetch_max(fed["generation"]["number"].as_u64().unwrap(), SeqCst);
+                    }
+                });
+            }
+            std::thread::sleep(Duration::from_millis(700));
+            assert!(Command::new("kill").args(["-9", &server.child.id().to_string()]).status().unwrap().success());
+        });
+    }
+    assert!(answered.load(SeqCst) > 3);
+}
+
+/// Each layer has its own line of generations, and what counts of a way for one does not count for the other less.
+#[tokio::test]
+async fn several_layers_evolve_beside_each_other() {
+    let client = Client::new().await;
+    let layer = |name: &str, x: f64| json!({"name": name, "source": {"adaptive": {"ground": {"seed": 2, "lines": 9, "length": 9, "origin": [x, 0]}}}});
+    let document = json!({"seed": 3, "base": {"programme": "0", "scale": 1}, "layers": [layer("west", -400.0), layer("east", 400.0)]});
+    assert_eq!(client.put("/worlds/live", &document.to_string()).await.status, StatusCode::CREATED);
+    let unnamed = post(&client, "/worlds/live/feedback", &json!({"heights": [100]})).await;
+    assert_eq!(unnamed.problem(), "422 /layer: is needed: the world has several adaptive layers, [\"west\", \"east\"]");
+    assert!(client.get("/worlds/live/generations").await.problem().starts_with("400 layer: is needed"));
+    client.put("/worlds/live/players/ann", r#"{"positions":[[-300,10],[-200,20]]}"#).await;
+    let ways = async |layer: &str| {
+        feed(&client, &json!({"layer": layer, "heights": [90]})).await;
+        let history = client.get(&format!("/worlds/live/generations?layer={layer}&history")).await.json();
+        history["history"]["steps"].as_array().unwrap().last().unwrap()["feedback"]["ways"].clone()
+    };
+    assert_eq!(ways("west").await, json!([[[-300.0, 10.0], [-200.0, 20.0]]]));
+    assert_eq!(ways("west").await, json!([[[-200.0, 20.0]]]));
+    assert_eq!(ways("east").await, json!([[[-300.0, 10.0], [-200.0, 20.0]]]));
+    // Who is on one ground does not keep the other from going back.
+    let back = async |layer: &str| client.put("/worlds/live/generation", &json!({"layer": layer, "generation": 0}).to_string()).await.status;
+    assert_eq!((back("east").await, back("west").await), (StatusCode::OK, StatusCode::CONFLICT));
+}
+
+/// `cargo test --release --test it -- --ignored --nocapture the_figures_of_feedback`.
+#[tokio::test]
+#[ignore = "takes a minute, and says how long things take"]
+#[expect(clippy::print_stdout, reason = "writes the figures")]
+async fn the_figures_of_feedback() {
+    let client = Client::new().await;
+    let size = |folder: &std::path::Path| -> u64 { std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().metadata().unwrap().len()).sum() };
+    let resident = || std::fs::read_to_string("/proc/self/statm").ok().and_then(|text| text.split(' ').nth(1)?.parse::<u64>().ok()).unwrap_or_default() / 256;
+    let large = json!({"seed": 5, "lines": 129, "length": 129, "passes": 3, "cell": 4});
+    client.put("/worlds/large", &world(&large)).await;
+    for (name, side, count) in [("living", 1900.0, 1000_u32), ("large", 4000.0, 60)] {
+        let (disk, memory) = (size(client.folder()), resident());
+        let mut times = Vec::new();
+        let mut draws = Draws::new(1);
+        for i in 0..count {
+            let point = [draws.between(if name == "living" { -side } else { 0.0 }, side), draws.between(0.0, side)];
+            let radius = if i % 2 == 0 { json!(300) } else { json!(null) };
+            let begun = std::time::Instant::now();
+            let fed = post(&client, &format!("/worlds/{name}/feedback"), &json!({"points": [point], "radius": radius})).await;
+            times.push(begun.elapsed().as_secs_f64() * 1e3);
+            assert_eq!(fed.status, StatusCode::OK);
+        }
+        times.sort_by(f64::total_cmp);
+        let at = |share: f64| times[(share * (times.len() - 1) as f64) as usize];
+        println!(
+            "{name}: {count} generations, p50 {:.1} ms, p99 {:.1} ms, {} kB on disk, {} MB in memory more",
+            at(0.5),
+            at(0.99),
+            (size(client.folder()) - disk) / 1024,
+            resident() - memory
+        );
+    }
+    for tile in ["hills/metric/terrarium/13/0/-1.png", "living/metric/terrarium/13/0/-1.png", "large/metric/terrarium/13/0/-1.png"] {
+        let mut times = Vec::new();
+        for i in 0..2000 {
+            // A query that changes nothing: no answer is recalled by its address.
+            let path = format!("/worlds/{tile}?filter=band&rounding=steps");
+            let begun = std::time::Instant::now();
+            let answer = client.send(Method::GET, &path, &[("if-none-match", "\"another\"")], "").await;
+            if i > 0 {
+                times.push(begun.elapsed().as_secs_f64() * 1e6);
+            }
+            assert_eq!(answer.status, StatusCode::OK);
+        }
+        times.sort_by(f64::total_cmp);
+        println!("{tile} again: p50 {:.0} µs, p99 {:.0} µs", times[1000], times[1980]);
+    }
 }

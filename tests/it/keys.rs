@@ -79,8 +79,25 @@ fn reads_can_need_a_key_too() {
         assert_eq!(ask(&server, "GET", path, Some(&admin)), "200", "{path}");
     }
     assert_eq!(ask(&server, "PUT", "/worlds/mine", Some(&admin)), "201");
+    let player = key(&data, &["new", "a game", "--scope", "play"]);
+    wait_for(|| ask(&server, "GET", "/worlds/alps", Some(&player)) == "200");
+    for (method, path, with_play, with_read) in [
+        ("PUT", "/worlds/living/players/ann", "400 bad-request", "403 scope"),
+        ("POST", "/worlds/living/feedback", "400 bad-request", "403 scope"),
+        ("DELETE", "/worlds/living/players/ann", "404 not-found", "403 scope"),
+        ("PUT", "/worlds/living/generation", "403 scope", "403 scope"),
+        ("PUT", "/worlds/living", "403 scope", "403 scope"),
+        ("DELETE", "/worlds/living", "403 scope", "403 scope"),
+    ] {
+        assert_eq!(
+            (ask(&server, method, path, Some(&player)).as_str(), ask(&server, method, path, Some(&reader)).as_str()),
+            (with_play, with_read),
+            "{method} {path}"
+        );
+        assert_eq!(ask(&server, method, path, None), "401 unauthorized");
+    }
     let wrong = run(&["key", "new", "x", "--scope", "all", "--data", data.to_str().unwrap()], Path::new("/"));
-    assert!(text(&wrong.stderr).contains("must be read, write or admin, got \"all\""), "{}", text(&wrong.stderr));
+    assert!(text(&wrong.stderr).contains("must be read, play, write or admin, got \"all\""), "{}", text(&wrong.stderr));
 }
 
 #[test]

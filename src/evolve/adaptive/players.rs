@@ -66,10 +66,10 @@ const BEYOND: f64 = 1e13;
 
 /// How much of a new height each node takes, row by row from the south: nothing in the frozen zone around ways, which is the promise and two cells more, and more and
 /// more beyond it. Samples see nodes in squares, so the two cells are those of a square; and nodes of the border are seen from all that lies beyond it.
-pub(super) fn thaw(ground: &Ground, ways: &[Vec<[f64; 2]>], weights: &mut [f32]) {
+pub(super) fn thaw(ground: &Ground, ways: &[Vec<[f64; 2]>], promise: f64, weights: &mut [f32]) {
     let size = ground.size();
     let (seen, fade) = (SEEN * ground.cell, ground.fade as f64 * ground.cell);
-    let far = ground.promise + seen + fade;
+    let far = promise + seen + fade;
     for [from, to] in ways.iter().flat_map(|way| parts(way)) {
         let between = |axis: usize, low: f64, high: f64| {
             let node = |c: f64| ((c - ground.origin[axis]) / ground.cell).clamp(0.0, (size[axis] - 1) as f64);
@@ -88,7 +88,7 @@ pub(super) fn thaw(ground: &Ground, ways: &[Vec<[f64; 2]>], weights: &mut [f32])
                 if *weight <= 0.0 {
                     continue;
                 }
-                let beyond = to_box(from, to, &seen_from(ground, [column, row], seen)) - ground.promise;
+                let beyond = to_box(from, to, &seen_from(ground, [column, row], seen)) - promise;
                 // A whisker more than the promise: distances are rounded.
                 if beyond <= 1e-6 * ground.cell {
                     *weight = 0.0;

@@ -177,6 +177,14 @@ pub struct Feedback {
     /// Where players have been since the last generation, each way ending where one is: around it nothing changes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub ways: Vec<Vec<[f64; 2]>>,
+    /// Metres that the ways may be off: so much farther than promised nothing changes around them.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub margin: f64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "what serde asks for")]
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 impl Feedback {
@@ -210,6 +218,9 @@ impl Feedback {
         }
         if self.ways.iter().map(Vec::len).sum::<usize>() > MAX_POSITIONS {
             return Err(RecordError::new(format!("{at}/ways"), format!("must hold at most {MAX_POSITIONS} positions")));
+        }
+        if !(0.0..=4.0 * PLANE_LIMIT).contains(&self.margin) {
+            return Err(RecordError::new(format!("{at}/margin"), format!("must be 0 … 2^42 metres, got {}", self.margin)));
         }
         let is_wrong = |point: &[f64; 2]| point.iter().any(|c| c.is_nan() || c.abs() > PLANE_LIMIT);
         match self.ways.iter().enumerate().find_map(|(i, way)| way.iter().position(is_wrong).map(|j| (i, j))) {

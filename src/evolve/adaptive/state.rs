@@ -75,6 +75,6 @@ fn weights(ground: &Ground, feedback: &Feedback) -> Vec<f32> {
             *weight = smooth(2.0 * (1.0 - nearest / radius));
         }
     }
-    thaw(ground, &feedback.ways, &mut weights);
+    thaw(ground, &feedback.ways, ground.promise + feedback.margin, &mut weights);
     weights
 }

@@ -244,7 +244,7 @@ fn nothing_changes_around_players() {
 fn the_frozen_zone_is_the_promise_and_two_cells() {
     let ground = Ground { promise: 40.0, fade: 0, ..Ground::default() };
     let mut weights = vec![1.0; 129 * 129];
-    players::thaw(&ground, &[vec![[600.0, 600.0]], vec![[100.0, 100.0], [300.0, 100.0]]], &mut weights);
+    players::thaw(&ground, &[vec![[600.0, 600.0]], vec![[100.0, 100.0], [300.0, 100.0]]], ground.promise, &mut weights);
     let at = |column: usize, row: usize| weights[row * 129 + column];
     assert_eq!([at(60, 66), at(60, 67), at(66, 60), at(67, 60)], [0.0, 1.0, 0.0, 1.0]);
     assert_eq!([at(20, 16), at(20, 17), at(36, 10), at(37, 10)], [0.0, 1.0, 0.0, 1.0]);
@@ -372,7 +372,7 @@ fn what_is_frozen_is_what_every_distance_says() {
             vec![vec![point()], vec![point(), point(), point()], vec![[300.0, 400.0], [300.0, point()[1]]], vec![[1.0, 700.0], [point()[0], 700.0]]];
         let size = ground.size();
         let (mut fast, mut plain) = (vec![1.0; size[0] * size[1]], vec![1.0_f32; size[0] * size[1]]);
-        players::thaw(&ground, &ways, &mut fast);
+        players::thaw(&ground, &ways, ground.promise, &mut fast);
         let fade = ground.fade as f64 * ground.cell;
         for (node, weight) in plain.iter_mut().enumerate() {
             let seen = players::seen_from(&ground, [node % size[0], node / size[0]], 2.0 * ground.cell);

@@ -8,7 +8,7 @@ use crate::{
         evolving::{self, Changed, Said, Target, invalid},
         extract::{Asker, Body, Known, NameOf, PlayerAt, WorldAt, WriteCondition},
         headers::{Freshness, json, tagged},
-        players::Refused,
+        players::Full,
         schema::{
             FedSchema, FeedbackSchema, GenerationName, GenerationsSchema, GrownGeneration, HashOrNumber, PlayerSchema, PlayersSchema, ProblemDetails,
             PromiseSchema, ReturnSchema, WaySchema,
@@ -107,7 +107,7 @@ pub(crate) async fn post_feedback(
     Body(body): Body,
 ) -> Result<Response, ApiError> {
     let FeedbackSchema { layer, points, heights, radius, players } = read(&body)?;
-    let feedback = Feedback { points, heights, radius, ways: Vec::new() };
+    let feedback = Feedback { points, heights, radius, ways: Vec::new(), margin: 0.0 };
     Ok(answer(evolving::feed(&app, asker, name, Said { layer, feedback, players }, condition).await?))
 }
 
@@ -200,7 +200,7 @@ pub(crate) async fn list_players(State(app): State<App>, WorldAt { live, .. }: W
     ("player" = inline(Name), Path, description = "A name of its own: 1 to 63 of a … z, 0 … 9 and -"),
 ), request_body = WaySchema, responses(
     (status = 200, description = "It is there", body = PromiseSchema),
-    (status = 409, description = "The world is full, or the player went too far since the last generation", body = ProblemDetails, content_type = "application/problem+json"),
+    (status = 409, description = "As many players as a world can have are there", body = ProblemDetails, content_type = "application/problem+json"),
     EvolvingErrors,
 ))]
 pub(crate) async fn put_player(State(app): State<App>, PlayerAt { world, player }: PlayerAt, Body(body): Body) -> Result<Response, ApiError> {
@@ -215,12 +215,7 @@ pub(crate) async fn put_player(State(app): State<App>, PlayerAt { world, player 
     let mut room = app.0.players.hold(&world).await;
     let live = Live::shelf(&app).get(&world).ok_or_else(|| ApiError::absent("world", format!("no world is named {world:?}")))?;
     let grounds = evolving::grounds(live.document());
-    room.go(&player, &positions, &grounds, Instant::now()).map_err(|refused| {
-        ApiError::Conflict(match refused {
-            Refused::Full => "As many players as a world can have are there.".to_owned(),
-            Refused::TooLong => "The ways since the last generation are too long to be kept from changing: feedback breeds the next.".to_owned(),
-        })
-    })?;
+    room.go(&player, &positions, &grounds, Instant::now()).map_err(|Full| ApiError::Conflict("As many players as a world can have are there.".to_owned()))?;
     let promise = grounds.iter().map(|(_, ground)| ground.promise).reduce(f64::min);
     Ok(([(header::CACHE_CONTROL, "no-store")], Json(PromiseSchema { promise })).into_response())
 }
