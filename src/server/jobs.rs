@@ -1,4 +1,4 @@
-//! Long work: asked for once, done one after the other on threads of its own, kept in the store until it is done.
+//! Long work: asked for once, done on threads of its own, kept in the store step by step until it is done.
 
 use super::{
     compute::{Compute, Panicked},
@@ -6,8 +6,8 @@ use super::{
 };
 use crate::{
     geometry::Stop,
-    store::{JobEntry, JobState, Store, StoreError},
-    world::{StoredRaster, Work},
+    store::{JobEntry, JobState, Step, Store, StoreError, pack},
+    world::{Checkpoint, Course, DocumentError, Share, StoredRaster, Turn, Work},
 };
 use std::{
     collections::VecDeque,
@@ -15,8 +15,12 @@ use std::{
         Arc, Mutex, MutexGuard, PoisonError,
         atomic::{AtomicBool, AtomicUsize, Ordering},
     },
+    time::{Duration, Instant},
 };
 use tokio::{sync::Notify, task::JoinHandle};
+
+/// How long work of many steps goes on before it lets what waits go first.
+const PATIENCE: Duration = Duration::from_secs(2);
 
 /// A job that is not ended.
 pub(super) struct Task {
@@ -30,7 +34,7 @@ pub(super) struct Task {
 /// How far a job is.
 pub(super) enum Progress {
     Waiting,
-    /// The share that is done.
+    /// The share that is done of what is not done step by step.
     Running(f64),
 }
 
@@ -52,15 +56,28 @@ struct Shared {
 pub(super) struct Jobs {
     shared: Arc<Shared>,
     runner: Mutex<Option<JoinHandle<()>>>,
+    /// Held while a job is asked for, laid aside or forgotten, so that the store and the queue say the same.
+    changes: tokio::sync::Mutex<()>,
     /// Most that wait.
     most: usize,
 }
 
-/// How a job ended.
+/// How a job's time on the threads ended.
 enum End {
-    Made(Box<StoredRaster>),
+    /// What it came to is stored.
+    Done,
+    /// Others go first now.
+    GaveWay,
+    /// It was laid aside, forgotten, or is to go on when the server is there again.
     Stopped,
     Failed(String),
+}
+
+/// What a turn came to, ready to be stored.
+enum Made {
+    Raster(Box<StoredRaster>),
+    /// A step, and how to go on after it.
+    Step(Box<Step>, Option<Course>),
 }
 
 impl Task {
@@ -68,23 +85,41 @@ impl Task {
         Arc::new(Self { id, work, stop: Stop::new(), steps: AtomicUsize::new(0), done: AtomicUsize::new(0) })
     }
 
-    fn work(&self) -> End {
-        let prepared = match self.work.prepare() {
-            Ok(prepared) => prepared,
-            Err(error) => return End::Failed(error.to_string()),
-        };
-        self.steps.store(prepared.steps(), Ordering::Relaxed);
-        let made = prepared.run(&self.stop, &|done| {
+    /// Takes a turn; `None` if it was stopped.
+    fn turn(&self, course: Course) -> Result<Option<Made>, String> {
+        let made = course.turn(&self.stop, &|Share { done, of }| {
+            self.steps.store(of, Ordering::Relaxed);
             // Threads may say so out of turn.
             self.done.fetch_max(done, Ordering::Relaxed);
         });
-        made.map_or(End::Stopped, |raster| End::Made(Box::new(StoredRaster::of(&raster))))
+        let step = |checkpoint: &Checkpoint, course: Option<Course>| {
+            let step = step(checkpoint, course.is_none()).map_err(|error| error.to_string())?;
+            Ok::<_, String>(Made::Step(Box::new(step), course))
+        };
+        Ok(match made.map_err(|error| error.to_string())? {
+            None => None,
+            Some(Turn::Raster(raster)) => Some(Made::Raster(Box::new(StoredRaster::of(&raster)))),
+            Some(Turn::On(course, checkpoint)) => Some(step(&checkpoint, Some(course))?),
+            Some(Turn::Found(checkpoint)) => Some(step(&checkpoint, None)?),
+        })
     }
 
     fn share(&self) -> f64 {
         let (done, steps) = (self.done.load(Ordering::Relaxed), self.steps.load(Ordering::Relaxed));
         if steps == 0 { 0.0 } else { done as f64 / steps as f64 }
     }
+}
+
+/// A checkpoint as the store keeps it.
+fn step(checkpoint: &Checkpoint, is_last: bool) -> Result<Step, serde_json::Error> {
+    Ok(Step {
+        number: checkpoint.step as i64,
+        of: checkpoint.steps as i64,
+        line: serde_json::to_string(&checkpoint.line)?,
+        found: serde_json::to_string(&checkpoint.found)?,
+        state: if is_last { Vec::new() } else { pack(&checkpoint.state) },
+        is_last,
+    })
 }
 
 impl Shared {
@@ -105,22 +140,78 @@ impl Shared {
                 self.changed.notified().await;
                 continue;
             };
-            let working = Arc::clone(&task);
-            let end = self.compute.run(move || working.work()).await;
-            let end = end.unwrap_or_else(|Panicked| End::Failed("the evaluation failed; the server's log says why".to_owned()));
-            let kept = match end {
-                End::Made(raster) => self.store.finish(&task.id, &raster).await,
-                End::Failed(failure) => {
-                    tracing::warn!(job = task.id, failure, "a job failed");
-                    self.store.fail(&task.id, &failure).await
+            let end = self.work(&task).await.unwrap_or_else(|error| {
+                tracing::error!(job = task.id, %error, "a job could not be stored: it goes on from its last checkpoint when the server starts");
+                End::Stopped
+            });
+            if let End::Failed(failure) = &end {
+                tracing::warn!(job = task.id, failure, "a job failed");
+                if let Err(error) = self.store.fail(&task.id, failure).await {
+                    tracing::error!(job = task.id, %error, "the end of a job could not be stored: it will be done again when the server starts");
                 }
-                // Forgotten, or to be done when the server is there again.
-                End::Stopped => Ok(()),
-            };
-            if let Err(error) = kept {
-                tracing::error!(job = task.id, %error, "the end of a job could not be stored: it will be done again when the server starts");
             }
-            self.open().running = None;
+            let mut open = self.open();
+            open.running = None;
+            if matches!(end, End::GaveWay) && !task.stop.is_set() {
+                open.waiting.push_back(task);
+            }
+        }
+    }
+
+    /// Does a job until it ends or others should go first; every step is stored before the next begins.
+    async fn work(&self, task: &Arc<Task>) -> Result<End, StoreError> {
+        // Those that asked for it may have laid it aside and asked again, while it came to its end.
+        if self.store.job(&task.id).await?.is_none_or(|entry| entry.state != JobState::Open) {
+            return Ok(End::Stopped);
+        }
+        let mut course = match self.begin(task).await? {
+            Ok(course) => course,
+            Err(failure) => return Ok(End::Failed(failure)),
+        };
+        let begun = Instant::now();
+        loop {
+            let working = Arc::clone(task);
+            let made = self.compute.run(move || working.turn(course)).await;
+            let made = made.unwrap_or_else(|Panicked| Err("the evaluation failed; the server's log says why".to_owned()));
+            course = match made {
+                Err(failure) => return Ok(End::Failed(failure)),
+                Ok(None) => return Ok(End::Stopped),
+                Ok(Some(Made::Raster(raster))) => {
+                    self.store.finish(&task.id, &raster).await?;
+                    return Ok(End::Done);
+                }
+                Ok(Some(Made::Step(step, next))) => {
+                    let is_waited_for = self.store.advance(&task.id, &step).await?;
+                    match next {
+                        None => return Ok(End::Done),
+                        Some(_) if !is_waited_for || task.stop.is_set() => return Ok(End::Stopped),
+                        Some(next) => next,
+                    }
+                }
+            };
+            if begun.elapsed() >= PATIENCE && !self.open().waiting.is_empty() {
+                return Ok(End::GaveWay);
+            }
+        }
+    }
+
+    /// A job from its checkpoint, or from its beginning.
+    async fn begin(&self, task: &Arc<Task>) -> Result<Result<Course, String>, StoreError> {
+        let state = self.store.state(&task.id).await?;
+        let begin = async |state: Option<Vec<u8>>| {
+            let task = Arc::clone(task);
+            let begun = self.compute.run(move || task.work.begin(state.as_deref())).await;
+            begun.unwrap_or_else(|Panicked| Err(DocumentError::Syntax("the server's log says why".to_owned())))
+        };
+        let is_new = state.is_none();
+        match begin(state).await {
+            Ok(course) => Ok(Ok(course)),
+            Err(error) if is_new => Ok(Err(error.to_string())),
+            Err(error) => {
+                tracing::warn!(job = task.id, %error, "a checkpoint is not one of this version: the job begins anew");
+                self.store.rewind(&task.id).await?;
+                Ok(begin(None).await.map_err(|error| error.to_string()))
+            }
         }
     }
 }
@@ -137,14 +228,17 @@ impl Jobs {
         }
         let shared = Arc::new(Shared { store, compute, open: Mutex::new(open), changed: Notify::new(), closing: AtomicBool::new(false) });
         let runner = tokio::spawn(Arc::clone(&shared).run());
-        Ok(Self { shared, runner: Mutex::new(Some(runner)), most })
+        Ok(Self { shared, runner: Mutex::new(Some(runner)), changes: tokio::sync::Mutex::new(()), most })
     }
 
-    /// Asks for work; on return that is on disk. What was asked for before is not asked for again, unless it failed.
+    /// Asks for work; on return that is on disk. What was asked for before is not asked for again, unless it failed; what was laid aside goes on.
     pub(super) async fn ask(&self, work: Work) -> Result<JobEntry, ApiError> {
         let id = work.id().to_string();
-        // What is known already takes no room.
-        if self.shared.open().waiting.len() >= self.most && self.shared.store.job(&id).await?.is_none() {
+        let _change = self.changes.lock().await;
+        let known = self.shared.store.job(&id).await?;
+        // What takes no room in the queue is always answered.
+        let takes_room = known.is_none_or(|entry| matches!(entry.state, JobState::Stopped | JobState::Failed(_)));
+        if takes_room && self.shared.open().waiting.len() >= self.most {
             return Err(ApiError::Queued);
         }
         let entry = self.shared.store.ask(&id, &work.to_json().to_string()).await?;
@@ -165,15 +259,29 @@ impl Jobs {
         running.filter(|task| task.id == id).map_or(Progress::Waiting, |task| Progress::Running(task.share()))
     }
 
+    /// Lays a job aside: what it does is given up, what its checkpoint has stays. `None` if there is no such job.
+    pub(super) async fn lay_aside(&self, id: &str) -> Result<Option<JobEntry>, StoreError> {
+        let _change = self.changes.lock().await;
+        let entry = self.shared.store.lay_aside(id).await?;
+        self.give_up(id);
+        Ok(entry)
+    }
+
     /// Forgets a job, and ends it if it is under way. `false` if there is none.
     pub(super) async fn forget(&self, id: &str) -> Result<bool, StoreError> {
+        let _change = self.changes.lock().await;
         let known = self.shared.store.forget(id).await?;
+        self.give_up(id);
+        Ok(known)
+    }
+
+    /// Takes a job off the threads.
+    fn give_up(&self, id: &str) {
         let mut open = self.shared.open();
         open.waiting.retain(|task| task.id != id);
         if let Some(task) = open.running.as_ref().filter(|task| task.id == id) {
             task.stop.set();
         }
-        Ok(known)
     }
 
     /// Ends what is under way, which the store keeps for the next start.
