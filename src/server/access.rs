@@ -26,7 +26,7 @@ use std::{
 const MAX_AGE: Duration = Duration::from_secs(1);
 
 /// What keys guard; the rest is the viewer, the description of the interface, and the server's health.
-const GUARDED: [&str; 8] = ["/worlds", "/catalog", "/wmts", "/programmes", "/breeding", "/jobs", "/rasters", "/metrics"];
+const GUARDED: [&str; 9] = ["/worlds", "/catalog", "/wmts", "/programmes", "/breeding", "/jobs", "/rasters", "/events", "/metrics"];
 
 /// The keys of a server, which `terrane key` changes beside it.
 pub(super) struct Keys {

@@ -2,6 +2,7 @@
 
 use super::{
     compute::Compute,
+    events::Events,
     parts::StoredParts,
     shelf::{LoadError, Shelf, Shelved},
     state::App,
@@ -97,6 +98,6 @@ impl Shelved for Breeding {
 }
 
 /// Loads every session.
-pub(super) async fn load(store: Store, compute: Arc<Compute>, parts: Arc<StoredParts>) -> Result<Shelf<Breeding>, LoadError> {
-    Shelf::load(store, compute, parts).await
+pub(super) async fn load(store: Store, compute: Arc<Compute>, parts: Arc<StoredParts>, events: &Arc<Events>) -> Result<Shelf<Breeding>, LoadError> {
+    Shelf::load(store, compute, parts, events).await
 }

@@ -3,6 +3,7 @@
 use super::{
     compute::{Compute, Panicked},
     error::ApiError,
+    events::{Event, Events},
 };
 use crate::{
     geometry::Stop,
@@ -19,6 +20,9 @@ use std::{
 };
 use tokio::{sync::Notify, task::JoinHandle};
 
+/// How often at most the progress of a job is told.
+const TELLING: Duration = Duration::from_millis(250);
+
 /// How long work of many steps goes on before it lets what waits go first.
 const PATIENCE: Duration = Duration::from_secs(2);
 
@@ -29,6 +33,8 @@ pub(super) struct Task {
     stop: Stop,
     steps: AtomicUsize,
     done: AtomicUsize,
+    /// When its progress was told last.
+    told: Mutex<Option<Instant>>,
 }
 
 /// How far a job is.
@@ -47,6 +53,7 @@ struct Open {
 struct Shared {
     store: Store,
     compute: Compute,
+    events: Arc<Events>,
     open: Mutex<Open>,
     changed: Notify,
     closing: AtomicBool,
@@ -82,16 +89,12 @@ enum Made {
 
 impl Task {
     fn new(id: String, work: Work) -> Arc<Self> {
-        Arc::new(Self { id, work, stop: Stop::new(), steps: AtomicUsize::new(0), done: AtomicUsize::new(0) })
+        Arc::new(Self { id, work, stop: Stop::new(), steps: AtomicUsize::new(0), done: AtomicUsize::new(0), told: Mutex::new(None) })
     }
 
     /// Takes a turn; `None` if it was stopped.
-    fn turn(&self, course: Course) -> Result<Option<Made>, String> {
-        let made = course.turn(&self.stop, &|Share { done, of }| {
-            self.steps.store(of, Ordering::Relaxed);
-            // Threads may say so out of turn.
-            self.done.fetch_max(done, Ordering::Relaxed);
-        });
+    fn turn(&self, course: Course, events: &Events) -> Result<Option<Made>, String> {
+        let made = course.turn(&self.stop, &|share| self.progress(share, events));
         let step = |checkpoint: &Checkpoint, course: Option<Course>| {
             let step = step(checkpoint, course.is_none()).map_err(|error| error.to_string())?;
             Ok::<_, String>(Made::Step(Box::new(step), course))
@@ -102,6 +105,18 @@ impl Task {
             Some(Turn::On(course, checkpoint)) => Some(step(&checkpoint, Some(course))?),
             Some(Turn::Found(checkpoint)) => Some(step(&checkpoint, None)?),
         })
+    }
+
+    /// Notes what is done, and tells it if it was not told just now.
+    fn progress(&self, Share { done, of }: Share, events: &Events) {
+        self.steps.store(of, Ordering::Relaxed);
+        // Threads may say so out of turn.
+        self.done.fetch_max(done, Ordering::Relaxed);
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        if told.is_none_or(|told| told.elapsed() >= TELLING) {
+            *told = Some(Instant::now());
+            events.send(Event::Job { job: self.id.clone(), state: "running", progress: self.share() });
+        }
     }
 
     fn share(&self) -> f64 {
@@ -140,14 +155,23 @@ impl Shared {
                 self.changed.notified().await;
                 continue;
             };
+            self.tell(&task, "running");
             let end = self.work(&task).await.unwrap_or_else(|error| {
                 tracing::error!(job = task.id, %error, "a job could not be stored: it goes on from its last checkpoint when the server starts");
                 End::Stopped
             });
-            if let End::Failed(failure) = &end {
-                tracing::warn!(job = task.id, failure, "a job failed");
-                if let Err(error) = self.store.fail(&task.id, failure).await {
-                    tracing::error!(job = task.id, %error, "the end of a job could not be stored: it will be done again when the server starts");
+            match &end {
+                End::Done => self.events.send(Event::Job { job: task.id.clone(), state: "done", progress: 1.0 }),
+                End::GaveWay => self.tell(&task, "waiting"),
+                End::Stopped => self.tell(&task, "stopped"),
+                End::Failed(failure) => {
+                    tracing::warn!(job = task.id, failure, "a job failed");
+                    match self.store.fail(&task.id, failure).await {
+                        Ok(()) => self.tell(&task, "failed"),
+                        Err(error) => {
+                            tracing::error!(job = task.id, %error, "the end of a job could not be stored: it will be done again when the server starts")
+                        }
+                    }
                 }
             }
             let mut open = self.open();
@@ -156,6 +180,10 @@ impl Shared {
                 open.waiting.push_back(task);
             }
         }
+    }
+
+    fn tell(&self, task: &Task, state: &'static str) {
+        self.events.send(Event::Job { job: task.id.clone(), state, progress: task.share() });
     }
 
     /// Does a job until it ends or others should go first; every step is stored before the next begins.
@@ -170,8 +198,8 @@ impl Shared {
         };
         let begun = Instant::now();
         loop {
-            let working = Arc::clone(task);
-            let made = self.compute.run(move || working.turn(course)).await;
+            let (working, events) = (Arc::clone(task), Arc::clone(&self.events));
+            let made = self.compute.run(move || working.turn(course, &events)).await;
             let made = made.unwrap_or_else(|Panicked| Err("the evaluation failed; the server's log says why".to_owned()));
             course = match made {
                 Err(failure) => return Ok(End::Failed(failure)),
@@ -182,6 +210,9 @@ impl Shared {
                 }
                 Ok(Some(Made::Step(step, next))) => {
                     let is_waited_for = self.store.advance(&task.id, &step).await?;
+                    if is_waited_for && next.is_some() {
+                        task.progress(Share { done: step.number as usize, of: step.of as usize }, &self.events);
+                    }
                     match next {
                         None => return Ok(End::Done),
                         Some(_) if !is_waited_for || task.stop.is_set() => return Ok(End::Stopped),
@@ -218,7 +249,7 @@ impl Shared {
 
 impl Jobs {
     /// Takes up the jobs that the store knows to be open.
-    pub(super) async fn load(store: Store, compute: Compute, most: usize) -> Result<Self, StoreError> {
+    pub(super) async fn load(store: Store, compute: Compute, events: &Arc<Events>, most: usize) -> Result<Self, StoreError> {
         let mut open = Open::default();
         for JobEntry { id, work, .. } in store.open_jobs().await? {
             match Work::parse(work.as_bytes()) {
@@ -226,7 +257,8 @@ impl Jobs {
                 Err(error) => store.fail(&id, &error.to_string()).await?,
             }
         }
-        let shared = Arc::new(Shared { store, compute, open: Mutex::new(open), changed: Notify::new(), closing: AtomicBool::new(false) });
+        let events = Arc::clone(events);
+        let shared = Arc::new(Shared { store, compute, events, open: Mutex::new(open), changed: Notify::new(), closing: AtomicBool::new(false) });
         let runner = tokio::spawn(Arc::clone(&shared).run());
         Ok(Self { shared, runner: Mutex::new(Some(runner)), changes: tokio::sync::Mutex::new(()), most })
     }
@@ -246,7 +278,13 @@ impl Jobs {
             let mut open = self.shared.open();
             let Open { waiting, running } = &mut *open;
             if !running.iter().chain(waiting.iter()).any(|task| task.id == id && !task.stop.is_set()) {
-                waiting.push_back(Task::new(id, work));
+                let task = Task::new(id, work);
+                if let Some([done, of]) = entry.steps {
+                    task.done.store(done as usize, Ordering::Relaxed);
+                    task.steps.store(of as usize, Ordering::Relaxed);
+                }
+                self.shared.tell(&task, "waiting");
+                waiting.push_back(task);
                 self.shared.changed.notify_one();
             }
         }
@@ -278,6 +316,9 @@ impl Jobs {
     /// Takes a job off the threads.
     fn give_up(&self, id: &str) {
         let mut open = self.shared.open();
+        for task in open.waiting.iter().filter(|task| task.id == id) {
+            self.shared.tell(task, "stopped");
+        }
         open.waiting.retain(|task| task.id != id);
         if let Some(task) = open.running.as_ref().filter(|task| task.id == id) {
             task.stop.set();

@@ -2,6 +2,7 @@
 
 use super::{
     compute::Compute,
+    events::Events,
     parts::StoredParts,
     shelf::{LoadError, Shelf, Shelved, shipped},
     state::App,
@@ -88,9 +89,9 @@ impl Shown {
 }
 
 /// Loads the library; what ships with this version and was never there comes first.
-pub(super) async fn load(store: Store, compute: Arc<Compute>, parts: Arc<StoredParts>) -> Result<Shelf<Shown>, LoadError> {
+pub(super) async fn load(store: Store, compute: Arc<Compute>, parts: Arc<StoredParts>, events: &Arc<Events>) -> Result<Shelf<Shown>, LoadError> {
     for preset in PRESETS {
         store.ship(preset.name, shipped::<Shown>(&compute, preset.name, preset.json).await?.0).await?;
     }
-    Shelf::load(store, compute, parts).await
+    Shelf::load(store, compute, parts, events).await
 }

@@ -10,6 +10,7 @@ mod connections;
 mod editing;
 mod embedded;
 mod error;
+mod events;
 mod exports;
 mod extract;
 mod features;

@@ -5,8 +5,8 @@ use super::{
     config::Reads,
     error::ApiError,
     handler::{
-        accessibility, breeding, catalog, description, elevation, evolution, export, feature, feature_edit, health, job, layer, programme, raster, shader,
-        tile, viewer, world,
+        accessibility, breeding, catalog, description, elevation, event, evolution, export, feature, feature_edit, health, job, layer, programme, raster,
+        shader, tile, viewer, world,
     },
     observe::observe,
     state::App,
@@ -39,6 +39,7 @@ use utoipa_axum::{router::OpenApiRouter, routes};
         (name = "tiles", description = "Terrain as tiles"),
         (name = "exports", description = "Areas as files"),
         (name = "jobs", description = "Long work, and the rasters that it makes"),
+        (name = "events", description = "What happens on the server, as it happens"),
         (name = "queries", description = "Questions about the ground"),
         (name = "pages", description = "For people"),
         (name = "health", description = "For those who run the server"),
@@ -90,6 +91,7 @@ fn others() -> OpenApiRouter<App> {
         .routes(routes!(raster::get_raster))
         .routes(routes!(raster::get_heights))
         .routes(routes!(raster::get_preview))
+        .routes(routes!(event::get_events))
         .routes(routes!(tile::get_style))
         .routes(routes!(elevation::get_profile))
         .routes(routes!(export::get_export))

@@ -2,6 +2,7 @@
 
 use super::{
     compute::{Compute, Panicked},
+    events::{Event, Events},
     parts::StoredParts,
     state::App,
 };
@@ -39,6 +40,11 @@ pub(super) trait Shelved: Sized + Send + Sync + 'static {
     fn name(&self) -> &str;
     fn document(&self) -> &Self::Document;
     fn revision(&self) -> &Revision;
+
+    /// What those who listen are told when a name stands for another revision, or for nothing any more.
+    fn event(_: &str, _: Option<&Revision>) -> Option<Event> {
+        None
+    }
 
     /// The server's shelf of this kind.
     fn shelf(app: &App) -> &Shelf<Self>;
@@ -93,6 +99,7 @@ pub(super) struct Shelf<T> {
     store: Store,
     compute: Arc<Compute>,
     parts: Arc<StoredParts>,
+    events: Arc<Events>,
     index: ArcSwap<Index<T>>,
     /// Held from a write to the store until the index shows it, so that both change in the same order.
     writing: tokio::sync::Mutex<()>,
@@ -100,7 +107,7 @@ pub(super) struct Shelf<T> {
 
 impl<T: Shelved> Shelf<T> {
     /// Loads every document of the kind.
-    pub(super) async fn load(store: Store, compute: Arc<Compute>, parts: Arc<StoredParts>) -> Result<Self, LoadError> {
+    pub(super) async fn load(store: Store, compute: Arc<Compute>, parts: Arc<StoredParts>, events: &Arc<Events>) -> Result<Self, LoadError> {
         let mut index = Index::new();
         for stored in store.documents(T::KIND).await? {
             // One document that cannot be read must not take the others with it.
@@ -111,7 +118,7 @@ impl<T: Shelved> Shelf<T> {
                 Err(error) => tracing::error!(%error, "a stored {} is left out", T::KIND),
             }
         }
-        Ok(Self { store, compute, parts, index: ArcSwap::from_pointee(index), writing: tokio::sync::Mutex::default() })
+        Ok(Self { store, compute, parts, events: Arc::clone(events), index: ArcSwap::from_pointee(index), writing: tokio::sync::Mutex::default() })
     }
 
     /// Every document, by name.
@@ -167,6 +174,9 @@ impl<T: Shelved> Shelf<T> {
         self.change(|index| {
             index.insert(name.to_owned(), Arc::clone(&live));
         });
+        if saved != Saved::Unchanged {
+            self.tell(name, Some(live.revision()));
+        }
         Ok((saved, live))
     }
 
@@ -177,7 +187,15 @@ impl<T: Shelved> Shelf<T> {
         self.change(|index| {
             index.remove(name);
         });
+        self.tell(name, None);
         Ok(())
+    }
+
+    /// Told while the next write waits, so that events come in the order of revisions.
+    fn tell(&self, name: &str, revision: Option<&Revision>) {
+        if let Some(event) = T::event(name, revision) {
+            self.events.send(event);
+        }
     }
 
     fn change(&self, edit: impl Fn(&mut Index<T>)) {

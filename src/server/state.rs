@@ -7,6 +7,7 @@ use super::{
     compute::Compute,
     config::{Config, Reads},
     editing::Editing,
+    events::Events,
     exports::Exports,
     jobs::Jobs,
     library::{self, Shown},
@@ -47,6 +48,7 @@ pub(super) struct AppState {
     pub world_bytes: usize,
     pub feature_bytes: usize,
     pub editing: Editing,
+    pub events: Arc<Events>,
     pub keys: Keys,
     pub budgets: Budgets,
     pub proxies: usize,
@@ -93,11 +95,12 @@ impl App {
         let store = Store::open(&config.server.data).await.map_err(|error| load(error.into()))?;
         let old_revisions = NonZeroUsize::new(config.cache.old_revisions).unwrap_or(NonZeroUsize::MIN);
         let parts = Arc::new(StoredParts::new(store.clone()));
-        let worlds = Worlds::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts), old_revisions).await.map_err(load)?;
-        let library = library::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts)).await.map_err(load)?;
+        let events = Arc::new(Events::new());
+        let worlds = Worlds::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts), &events, old_revisions).await.map_err(load)?;
+        let library = library::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts), &events).await.map_err(load)?;
         let jobs = Compute::last("job", config.server.threads)?;
-        let jobs = Jobs::load(store.clone(), jobs, config.limits.jobs).await.map_err(|error| load(error.into()))?;
-        let breeding = breeding::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts)).await.map_err(load)?;
+        let jobs = Jobs::load(store.clone(), jobs, &events, config.limits.jobs).await.map_err(|error| load(error.into()))?;
+        let breeding = breeding::load(store.clone(), Arc::clone(&queries), Arc::clone(&parts), &events).await.map_err(load)?;
         let mut tiles = Tiles::new(compute, Arc::clone(&metrics), config.cache.tile_bytes, config.limits.queue_ms);
         if config.cache.disk_bytes > 0 {
             tiles.keep_on_disk(&config.server.data.join("tile-cache"), config.cache.disk_bytes).await?;
@@ -117,6 +120,7 @@ impl App {
             world_bytes: config.limits.world_bytes,
             feature_bytes: config.limits.feature_bytes,
             editing: Editing::new(),
+            events,
             keys: Keys::load(store.clone()).await.map_err(|error| load(error.into()))?,
             budgets: Budgets::new(&config.limits),
             proxies: config.server.proxies,
@@ -142,6 +146,7 @@ impl App {
     /// Says from now on that no new requests should come.
     pub fn drain(&self) {
         self.0.draining.store(true, Ordering::Relaxed);
+        self.0.events.close();
     }
 
     pub(super) fn is_draining(&self) -> bool {

@@ -2,6 +2,7 @@
 
 use super::{
     compute::Compute,
+    events::{Event, Events},
     parts::StoredParts,
     shelf::{LoadError, Shelf, Shelved, shipped},
     state::App,
@@ -67,6 +68,10 @@ impl Shelved for Live {
         self.world.revision()
     }
 
+    fn event(name: &str, revision: Option<&Revision>) -> Option<Event> {
+        Some(Event::World { world: name.to_owned(), revision: revision.map(ToString::to_string) })
+    }
+
     fn shelf(app: &App) -> &Shelf<Self> {
         &app.0.worlds.shelf
     }
@@ -82,7 +87,13 @@ pub(super) struct Worlds {
 
 impl Worlds {
     /// Loads every world; a store that never held any gets the examples first.
-    pub(super) async fn load(store: Store, compute: Arc<Compute>, parts: Arc<StoredParts>, old_revisions: NonZeroUsize) -> Result<Self, LoadError> {
+    pub(super) async fn load(
+        store: Store,
+        compute: Arc<Compute>,
+        parts: Arc<StoredParts>,
+        events: &Arc<Events>,
+        old_revisions: NonZeroUsize,
+    ) -> Result<Self, LoadError> {
         let mut documents = Vec::new();
         if store.is_empty(Kind::World).await? {
             for example in EXAMPLES {
@@ -91,7 +102,7 @@ impl Worlds {
                 documents.push(document);
             }
         }
-        Ok(Self { shelf: Shelf::load(store, compute, parts).await?, old: Mutex::new(LruCache::new(old_revisions)) })
+        Ok(Self { shelf: Shelf::load(store, compute, parts, events).await?, old: Mutex::new(LruCache::new(old_revisions)) })
     }
 
     /// A world as it was at a revision; `None` if it is gone or never was there.

@@ -9,6 +9,7 @@ mod corpus;
 mod costs;
 mod determinism;
 mod encoding;
+mod events;
 mod evolution;
 mod export;
 mod features;

@@ -89,7 +89,8 @@ async fn every_described_operation_is_there() {
             // What is in a world goes before the world.
             paths.reverse();
         }
-        for (template, item) in paths {
+        // Events have no end; they have tests of their own.
+        for (template, item) in paths.into_iter().filter(|(template, _)| *template != "/events") {
             for method in item.as_object().unwrap().keys().filter(|method| (*method == "delete") == deleting) {
                 let method: Method = method.to_uppercase().parse().unwrap();
                 let path = fill(template);

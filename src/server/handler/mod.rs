@@ -6,6 +6,7 @@ pub(super) mod catalog;
 pub(super) mod description;
 mod document;
 pub(super) mod elevation;
+pub(super) mod event;
 pub(super) mod evolution;
 pub(super) mod export;
 pub(super) mod feature;
