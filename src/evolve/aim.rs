@@ -124,16 +124,25 @@ impl Aim {
         self.side / self.samples as f64
     }
 
+    /// The window of the whole square with that many samples a side.
+    #[must_use]
+    pub fn window(&self, samples: usize) -> Window {
+        let half = self.side / samples.max(1) as f64 / 2.0;
+        let axis = |sign: i64| Axis::new(sign, 2 * sign, half, -self.side / 2.0 * sign as f64, samples);
+        Window { columns: axis(1), rows: axis(-1), filter: Filter::Band }
+    }
+
+    pub(super) fn frame(&self) -> Frame {
+        Frame { seed: self.seed, scale: self.scale, origin: [0.0; 2] }
+    }
+
     /// The terrain of a programme over the square with an apron of one sample, and amplitude and datum that give it its relief; `None` if it is flat, or not finite
     /// somewhere, or was stopped.
     #[must_use]
     pub fn surface(&self, tape: &Tape, stop: &Stop) -> Option<(Surface, [f64; 2])> {
-        let half = self.spacing() / 2.0;
-        let axis = |sign: i64| Axis::new(sign, 2 * sign, half, -self.side / 2.0 * sign as f64, self.samples);
-        let window = Window { columns: axis(1), rows: axis(-1), filter: Filter::Band }.with_apron(1);
-        let frame = Frame { seed: self.seed, scale: self.scale, origin: [0.0; 2] };
+        let window = self.window(self.samples).with_apron(1);
         let mut surface = Surface::of(&window);
-        let non_finite = tape.evaluate_until(stop, &frame, &window, &mut surface.elevation);
+        let non_finite = tape.evaluate_until(stop, &self.frame(), &window, &mut surface.elevation);
         if non_finite > 0 || stop.is_set() {
             return None;
         }

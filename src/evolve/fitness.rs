@@ -112,6 +112,19 @@ impl Criterion<Judged<'_>> for Wanted {
 }
 
 impl Wanted {
+    /// Its name, as it is written.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Wanted::Accessibility { .. } => "accessibility",
+            Wanted::Edges { .. } => "edges",
+            Wanted::Slopes { .. } => "slopes",
+            Wanted::Elevations { .. } => "elevations",
+            Wanted::Roughness { .. } => "roughness",
+            Wanted::Likeness { .. } => "likeness",
+        }
+    }
+
     pub(super) fn check(&self, at: &str) -> Result<(), RecordError> {
         let number = |name: &str, value: f64, holds: bool, range: &str| {
             if holds { Ok(()) } else { Err(RecordError::new(format!("{at}/{name}"), format!("must be {range}, got {value}"))) }

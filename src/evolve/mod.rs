@@ -9,6 +9,8 @@ mod genome;
 mod operators;
 mod portrait;
 mod record;
+mod search;
+mod sight;
 #[cfg(test)]
 mod tests;
 mod vocabulary;
@@ -24,3 +26,5 @@ pub use genome::{Gene, Genome};
 pub use operators::{Mutation, cross, mutate};
 pub use portrait::{Extent, Portrait, VIEW_SIDE};
 pub use record::{Choice, Kept, MAX_CHOICES, MAX_KEPT, MAX_SEED, RECORD_FORM, Record, RecordError};
+pub use search::{Found, MAX_SEARCH_GENERATIONS, SEARCH_FORM, Search, Stage};
+pub use sight::Sight;

@@ -149,7 +149,7 @@ pub(super) fn needed(method: &Method, path: &str, reads: Reads) -> Option<Scope>
         Method::OPTIONS => None,
         Method::GET | Method::HEAD => (reads == Reads::Keys && is_guarded(path)).then_some(if path == "/metrics" { Scope::Admin } else { Scope::Read }),
         // Questions that are too long for an address.
-        Method::POST if path.starts_with("/worlds/") && (path.ends_with("/elevation") || path.ends_with("/accessibility")) => {
+        Method::POST if path.starts_with("/worlds/") && ["/elevation", "/accessibility", "/statistics"].iter().any(|question| path.ends_with(question)) => {
             (reads == Reads::Keys).then_some(Scope::Read)
         }
         _ if is_play(path) => Some(Scope::Play),

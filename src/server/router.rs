@@ -5,8 +5,8 @@ use super::{
     config::Reads,
     error::ApiError,
     handler::{
-        accessibility, breeding, catalog, description, elevation, event, evolving, export, feature, feature_edit, health, job, layer, programme, raster,
-        shader, tile, viewer, world,
+        accessibility, breeding, catalog, description, elevation, event, evolution, evolving, export, feature, feature_edit, health, job, layer, programme,
+        raster, shader, tile, viewer, world,
     },
     observe::observe,
     state::App,
@@ -50,7 +50,10 @@ struct Api;
 
 /// The calls whose questions may be too long for an address, so that pages of other sites may post them too.
 fn questions() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(elevation::get_elevation, elevation::post_elevation)).routes(routes!(accessibility::post_accessibility))
+    OpenApiRouter::new()
+        .routes(routes!(elevation::get_elevation, elevation::post_elevation))
+        .routes(routes!(accessibility::post_accessibility))
+        .routes(routes!(accessibility::post_statistics))
 }
 
 fn others() -> OpenApiRouter<App> {
@@ -85,7 +88,11 @@ fn others() -> OpenApiRouter<App> {
         .routes(routes!(job::list_jobs, job::post_job))
         .routes(routes!(job::post_preview))
         .routes(routes!(job::get_job, job::delete_job))
+        .routes(routes!(job::stop_job))
+        .routes(routes!(job::resume_job))
         .routes(routes!(job::get_preview))
+        .routes(routes!(evolution::get_evolution))
+        .routes(routes!(evolution::get_best))
         .routes(routes!(raster::list_rasters))
         .routes(routes!(raster::get_raster))
         .routes(routes!(raster::get_heights))

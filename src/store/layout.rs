@@ -8,7 +8,7 @@ pub(super) const LAYOUT: i64 = STEPS.len() as i64;
 
 /// From each layout to the next. Append-only, as the tables are: a document is stored once under its content's name, and every save or deletion of a name is a
 /// row; a deletion has no revision.
-const STEPS: [&str; 6] = [
+const STEPS: [&str; 7] = [
     "
     CREATE TABLE document (revision TEXT PRIMARY KEY, body TEXT NOT NULL) STRICT;
     CREATE TABLE history (
@@ -95,6 +95,23 @@ const STEPS: [&str; 6] = [
         state BLOB
     ) STRICT;
     PRAGMA user_version = 6;
+    ",
+    // What jobs of many steps go on from, replaced at every step, and their history, which stays.
+    "
+    CREATE TABLE job_checkpoint (
+        job TEXT PRIMARY KEY REFERENCES job (id) ON DELETE CASCADE,
+        step INTEGER NOT NULL,
+        steps INTEGER NOT NULL,
+        found TEXT NOT NULL,
+        state BLOB NOT NULL
+    ) STRICT;
+    CREATE TABLE job_step (
+        job TEXT NOT NULL REFERENCES job (id) ON DELETE CASCADE,
+        number INTEGER NOT NULL,
+        line TEXT NOT NULL,
+        PRIMARY KEY (job, number)
+    ) STRICT, WITHOUT ROWID;
+    PRAGMA user_version = 7;
     ",
 ];
 

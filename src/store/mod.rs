@@ -1,5 +1,6 @@
 //! What a server keeps: every saved revision of every world and of every programme of the library, the sets of features that worlds name, and keys; archives of tiles, which are databases too.
 
+mod checkpoint;
 mod content;
 mod error;
 mod feature_set;
@@ -10,6 +11,7 @@ mod mbtiles;
 mod runs;
 mod sqlite;
 
+pub use checkpoint::{Log, Step, pack};
 pub use content::{Content, Kind};
 pub use error::StoreError;
 pub use generations::{GenerationEntry, GenerationError, NewGeneration, StoredGeneration};

@@ -2,17 +2,32 @@
 
 use super::{Store, StoreError};
 use crate::world::StoredRaster;
-use sqlx::{Row, Sqlite, Transaction, sqlite::SqliteRow};
+use sqlx::{AssertSqlSafe, Row, Sqlite, Transaction, sqlite::SqliteRow};
 
 /// How far a job is, as the store knows it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum JobState {
     /// It waits, or is under way.
     Open,
-    /// It made the raster of this name.
-    Done(String),
+    /// It was laid aside, and goes on when it is asked for again.
+    Stopped,
+    /// It made the raster of this name; without one, its checkpoint holds what was found.
+    Done(Option<String>),
     /// It failed, and will not be tried again by itself.
     Failed(String),
+}
+
+impl JobState {
+    /// Its name in one word.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            JobState::Open => "open",
+            JobState::Stopped => "stopped",
+            JobState::Done(_) => "done",
+            JobState::Failed(_) => "failed",
+        }
+    }
 }
 
 /// A job as the store keeps it.
@@ -26,6 +41,8 @@ pub struct JobEntry {
     pub work: String,
     /// How far it is.
     pub state: JobState,
+    /// Steps done and steps there are at most, as its checkpoint has them.
+    pub steps: Option<[i64; 2]>,
 }
 
 /// A raster as lists name it.
@@ -44,13 +61,19 @@ fn job(row: &SqliteRow) -> Result<JobEntry, sqlx::Error> {
     let state = match state.as_str() {
         "done" => JobState::Done(row.try_get("raster")?),
         "failed" => JobState::Failed(row.try_get("failure")?),
+        "stopped" => JobState::Stopped,
         _ => JobState::Open,
     };
-    Ok(JobEntry { id: row.try_get("id")?, time: row.try_get("time")?, work: row.try_get("work")?, state })
+    let steps: [Option<i64>; 2] = [row.try_get("step")?, row.try_get("steps")?];
+    let steps = if let [Some(step), Some(steps)] = steps { Some([step, steps]) } else { None };
+    Ok(JobEntry { id: row.try_get("id")?, time: row.try_get("time")?, work: row.try_get("work")?, state, steps })
 }
 
+/// Jobs with how far their checkpoints are.
+const JOBS: &str = "SELECT job.*, step, steps FROM job LEFT JOIN job_checkpoint ON job_checkpoint.job = job.id";
+
 impl Store {
-    /// Stores a job; one that failed is asked for anew, one that is known otherwise stays as it is. On return it is on disk.
+    /// Stores a job; one that failed is asked for anew, one that was stopped goes on, one that is known otherwise stays as it is. On return it is on disk.
     ///
     /// # Errors
     /// If the database fails.
@@ -59,7 +82,8 @@ impl Store {
         sqlx::query("DELETE FROM job WHERE id = ? AND state = 'failed'").bind(id).execute(&mut *transaction).await?;
         let insert = sqlx::query("INSERT INTO job (id, work, state) VALUES (?, ?, 'open') ON CONFLICT DO NOTHING");
         insert.bind(id).bind(work).execute(&mut *transaction).await?;
-        let entry = sqlx::query("SELECT * FROM job WHERE id = ?").bind(id).fetch_one(&mut *transaction).await?;
+        sqlx::query("UPDATE job SET state = 'open' WHERE id = ? AND state = 'stopped'").bind(id).execute(&mut *transaction).await?;
+        let entry = sqlx::query(AssertSqlSafe(format!("{JOBS} WHERE id = ?"))).bind(id).fetch_one(&mut *transaction).await?;
         transaction.commit().await?;
         Ok(job(&entry)?)
     }
@@ -69,7 +93,7 @@ impl Store {
     /// # Errors
     /// If the database fails.
     pub async fn job(&self, id: &str) -> Result<Option<JobEntry>, StoreError> {
-        let row = sqlx::query("SELECT * FROM job WHERE id = ?").bind(id).fetch_optional(&self.pool).await?;
+        let row = sqlx::query(AssertSqlSafe(format!("{JOBS} WHERE id = ?"))).bind(id).fetch_optional(&self.pool).await?;
         Ok(row.as_ref().map(job).transpose()?)
     }
 
@@ -78,7 +102,7 @@ impl Store {
     /// # Errors
     /// If the database fails.
     pub async fn jobs(&self, most: u32) -> Result<Vec<JobEntry>, StoreError> {
-        let rows = sqlx::query("SELECT * FROM job ORDER BY number DESC LIMIT ?").bind(most).fetch_all(&self.pool).await?;
+        let rows = sqlx::query(AssertSqlSafe(format!("{JOBS} ORDER BY number DESC LIMIT ?"))).bind(most).fetch_all(&self.pool).await?;
         Ok(rows.iter().map(job).collect::<Result<_, _>>()?)
     }
 
@@ -87,7 +111,7 @@ impl Store {
     /// # Errors
     /// If the database fails.
     pub async fn open_jobs(&self) -> Result<Vec<JobEntry>, StoreError> {
-        let rows = sqlx::query("SELECT * FROM job WHERE state = 'open' ORDER BY number").fetch_all(&self.pool).await?;
+        let rows = sqlx::query(AssertSqlSafe(format!("{JOBS} WHERE job.state = 'open' ORDER BY number"))).fetch_all(&self.pool).await?;
         Ok(rows.iter().map(job).collect::<Result<_, _>>()?)
     }
 
@@ -113,6 +137,15 @@ impl Store {
     pub async fn fail(&self, id: &str, failure: &str) -> Result<(), StoreError> {
         sqlx::query("UPDATE job SET state = 'failed', failure = ? WHERE id = ? AND state = 'open'").bind(failure).bind(id).execute(&self.pool).await?;
         Ok(())
+    }
+
+    /// Lays a job aside that is open; its checkpoint stays. Answers the job as it is then, if there is one.
+    ///
+    /// # Errors
+    /// If the database fails.
+    pub async fn lay_aside(&self, id: &str) -> Result<Option<JobEntry>, StoreError> {
+        sqlx::query("UPDATE job SET state = 'stopped' WHERE id = ? AND state = 'open'").bind(id).execute(&self.pool).await?;
+        self.job(id).await
     }
 
     /// Forgets a job; what it made stays. `false` if there is none.
@@ -173,8 +206,8 @@ mod tests {
         store.finish(&a.0, &raster).await.expect("finished");
         assert_eq!(store.raster(&raster.name).await.expect("reads"), Some(raster.clone()));
         store.fail(&a.0, "too late").await.expect("no matter");
-        assert_eq!(store.job(&a.0).await.expect("reads").map(|entry| entry.state), Some(JobState::Done(raster.name.clone())));
-        assert_eq!(store.ask(&a.0, &a.1).await.expect("known").state, JobState::Done(raster.name.clone()));
+        assert_eq!(store.job(&a.0).await.expect("reads").map(|entry| entry.state), Some(JobState::Done(Some(raster.name.clone()))));
+        assert_eq!(store.ask(&a.0, &a.1).await.expect("known").state, JobState::Done(Some(raster.name.clone())));
         store.fail(&b.0, "broken").await.expect("failed");
         assert_eq!(store.jobs(1).await.expect("reads")[0].state, JobState::Failed("broken".to_owned()));
         assert_eq!(store.ask(&b.0, &b.1).await.expect("anew").state, JobState::Open);

@@ -38,4 +38,4 @@ pub use problem::{DocumentError, Problem};
 pub use raster::{RasterError, RasterHead, StoredRaster};
 pub use revision::Revision;
 pub use survey::Survey;
-pub use work::{Prepared, Work};
+pub use work::{Checkpoint, Course, Share, Turn, Work, WorkKind};

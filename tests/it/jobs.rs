@@ -4,10 +4,13 @@ use crate::client::{Answer, Client};
 use axum::http::{Method, StatusCode};
 use serde_json::{Value, json};
 use std::time::Duration;
-use terrane::{geometry::Stop, world::Work};
+use terrane::{
+    geometry::Stop,
+    world::{Turn, Work},
+};
 
 /// A drawing of so many strokes; a hundred take some hundred milliseconds.
-fn work(strokes: usize, seed: u64) -> Value {
+pub(crate) fn work(strokes: usize, seed: u64) -> Value {
     let lines: Vec<Value> = (0..strokes).map(|i| json!([[40 + i % 37, 50 + i % 41], [90 + i % 29, 80 + i % 31]])).collect();
     json!({"paths": {"drawing": {
         "title": "Test range", "size": [160, 140], "spacing": 10, "origin": [-500, 300], "seed": seed, "edges": {"random": {"mean": 1, "deviation": 0.4}},
@@ -18,12 +21,12 @@ fn work(strokes: usize, seed: u64) -> Value {
     }}})
 }
 
-async fn post(client: &Client, path: &str, body: &Value) -> Answer {
+pub(crate) async fn post(client: &Client, path: &str, body: &Value) -> Answer {
     client.send(Method::POST, path, &[], body.to_string()).await
 }
 
 /// Looks at a job until it is ended.
-async fn ended(client: &Client, id: &str) -> Value {
+pub(crate) async fn ended(client: &Client, id: &str) -> Value {
     for _ in 0..6000 {
         let job = client.get(&format!("/jobs/{id}")).await.json();
         let share = job["progress"].as_f64().unwrap();
@@ -52,7 +55,8 @@ async fn a_job_makes_a_raster_that_a_world_shows() {
     assert_eq!(job["work"]["paths"]["drawing"]["size"], json!([160, 140]));
 
     // The heights are those that the library makes, to the bit.
-    let made = Work::parse(work(3, 7).to_string().as_bytes()).unwrap().prepare().unwrap().run(&Stop::never(), &|_| {}).unwrap();
+    let course = Work::parse(work(3, 7).to_string().as_bytes()).unwrap().begin(None).unwrap();
+    let Some(Turn::Raster(made)) = course.turn(&Stop::never(), &|_| {}).unwrap() else { panic!("a drawing becomes a raster") };
     let raster = client.get(&path_of(&job["raster"])).await.json();
     let [columns, rows] = made.size();
     assert_eq!((&raster["columns"], &raster["rows"], &raster["spacing"]), (&json!(columns), &json!(rows), &json!(10.0)));
@@ -173,6 +177,31 @@ async fn jobs_are_given_up_and_refused_when_too_many_wait() {
     assert_eq!(asked.status, StatusCode::ACCEPTED);
     assert_eq!(ended(&client, asked.json()["id"].as_str().unwrap()).await["state"], "done");
     assert_eq!(client.get("/rasters").await.json()["rasters"].as_array().unwrap().len(), 1, "what was given up leaves nothing");
+}
+
+#[tokio::test]
+async fn a_drawing_that_is_stopped_begins_anew() {
+    let client = Client::new().await;
+    let id = post(&client, "/jobs", &work(2000, 5)).await.json()["id"].as_str().unwrap().to_owned();
+    let stopped = post(&client, &format!("/jobs/{id}/stop"), &json!({})).await;
+    assert_eq!((stopped.status, &stopped.json()["state"]), (StatusCode::OK, &json!("stopped")));
+    assert_eq!(post(&client, &format!("/jobs/{id}/stop"), &json!({})).await.status, StatusCode::OK, "it is what was asked for");
+    // It waits for nobody, not even after a restart; asking for the same again is one way to go on.
+    let client = client.restart(|_| {}).await;
+    let small = post(&client, "/jobs", &work(1, 5)).await.json()["id"].as_str().unwrap().to_owned();
+    assert_eq!(ended(&client, &small).await["state"], "done");
+    assert_eq!(client.get(&format!("/jobs/{id}")).await.json()["state"], "stopped");
+    assert_eq!(post(&client, &format!("/jobs/{id}/resume"), &json!({})).await.status, StatusCode::ACCEPTED);
+    assert_eq!(post(&client, &format!("/jobs/{id}/stop"), &json!({})).await.json()["state"], "stopped");
+    assert_eq!(post(&client, "/jobs", &work(2000, 5)).await.status, StatusCode::ACCEPTED);
+    let done = post(&client, &format!("/jobs/{small}/stop"), &json!({})).await.problem();
+    assert_eq!(done, "409 The job is done: there is nothing to stop.");
+    assert_eq!(post(&client, &format!("/jobs/{small}/resume"), &json!({})).await.problem(), "409 The job is done: there is nothing to resume.");
+    let none = "0123456789abcdef0123456789abcdef";
+    for what in ["stop", "resume"] {
+        assert_eq!(post(&client, &format!("/jobs/{none}/{what}"), &json!({})).await.problem(), format!("404 job: there is no job {none}"));
+    }
+    assert_eq!(client.send(Method::DELETE, &format!("/jobs/{id}"), &[], "").await.status, StatusCode::NO_CONTENT);
 }
 
 #[tokio::test]

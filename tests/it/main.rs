@@ -10,6 +10,7 @@ mod costs;
 mod determinism;
 mod encoding;
 mod events;
+mod evolution;
 mod evolving;
 mod example;
 mod export;

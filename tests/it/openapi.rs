@@ -47,15 +47,30 @@ async fn every_described_operation_is_there() {
             break url.rsplit('/').next().unwrap().to_owned();
         }
     };
+    let evolution = |generations: u32| {
+        format!(
+            r#"{{"evolution":{{"settings":{{"population":4,"generations":{generations}}},"aim":{{"samples":16,"wanted":[{{"criterion":{{"roughness":{{"value":0.1}}}}}}]}}}}}}"#
+        )
+    };
+    let bred = client.send(Method::POST, "/jobs", &[], evolution(0)).await.json()["id"].as_str().unwrap().to_owned();
+    while client.get(&format!("/jobs/{bred}")).await.json()["state"] != "done" {
+        tokio::time::sleep(std::time::Duration::from_millis(10)).await;
+    }
+    let long = client.send(Method::POST, "/jobs", &[], evolution(10_000)).await.json()["id"].as_str().unwrap().to_owned();
     client.put("/breeding/first", r#"{"form":1,"seed":4}"#).await;
     let fill = |template: &str| {
+        let job = match template.rsplit('/').next() {
+            Some("evolution" | "best.png") => &bred,
+            Some("stop" | "resume") => &long,
+            _ => &job,
+        };
         let filled = [
             ("{world}", "hills"),
             ("{programme}", "hills"),
             ("{grid}", "web"),
             ("{tileset}", "terrarium"),
             ("{id}", "ridge"),
-            ("{job}", &job),
+            ("{job}", job),
             ("{player}", "ann"),
             ("{raster}", &raster),
             ("{session}", "first"),
@@ -93,7 +108,7 @@ async fn every_described_operation_is_there() {
                         r#"{"type":"Feature","id":"ridge","geometry":{"type":"Point","coordinates":[0,0,5]},"properties":{"attributes":[]}}"#
                     }
                     breeding if breeding.starts_with("/breeding") => r#"{"form":1,"seed":4}"#,
-                    accessibility if accessibility.ends_with("/accessibility") => r#"{"bbox":[0,0,900,600],"spacing":30}"#,
+                    area if area.ends_with("/accessibility") || area.ends_with("/statistics") => r#"{"bbox":[0,0,900,600],"spacing":30}"#,
                     feedback if feedback.ends_with("/feedback") => r#"{"heights":[140]}"#,
                     generation if generation.ends_with("/generation") => r#"{"generation":0}"#,
                     player if player.ends_with("/{player}") => r#"{"positions":[[9000,0]]}"#,

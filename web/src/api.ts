@@ -163,7 +163,10 @@ export async function readGeneration(name: string, generation: number): Promise<
 /** Long work. */
 export interface Job {
   id: string;
-  state: 'waiting' | 'running' | 'done' | 'failed';
+  kind: 'paths' | 'evolution';
+  /** When it was asked for. */
+  time: string;
+  state: 'waiting' | 'running' | 'stopped' | 'done' | 'failed';
   /** 0 … 1 */
   progress: number;
   /** Address of the raster that it made. */
@@ -199,6 +202,56 @@ export async function jobs(): Promise<Job[]> {
 
 export async function forgetJob(id: string): Promise<void> {
   await request(`jobs/${id}`, { method: 'DELETE' });
+}
+
+/** Lays a job aside; what it has done stays. */
+export async function stopJob(id: string): Promise<Job> {
+  return (await (await request(`jobs/${id}/stop`, { method: 'POST' })).json()) as Job;
+}
+
+/** Lets a stopped job go on. */
+export async function resumeJob(id: string): Promise<Job> {
+  return (await (await request(`jobs/${id}/resume`, { method: 'POST' })).json()) as Job;
+}
+
+/** A generation of an evolution: scores are 0 … 1. */
+export interface GenerationPoint {
+  generation: number;
+  best: number;
+  mean: number;
+  evaluations: number;
+}
+
+/** The best programme of an evolution so far, with what a world needs to show it. */
+export interface Best {
+  generation: number;
+  programme: string;
+  score: number;
+  criteria: { criterion: string; weight: number; score: number }[];
+  seed: number;
+  scale: number;
+  amplitude: number;
+  datum: number;
+  side: number;
+}
+
+/** How an evolution goes; nothing is there before its first generation. */
+export interface Evolution {
+  generation?: number;
+  of: number;
+  curve: GenerationPoint[];
+  best?: Best;
+}
+
+/** The curve from a generation on, and the best so far. */
+export async function readEvolution(id: string, from: number): Promise<Evolution> {
+  return (await (await request(`jobs/${id}/evolution?from=${from}`, { cache: 'no-cache' })).json()) as Evolution;
+}
+
+/** Slopes, heights and roughness of a square of a world about a place, in metres. */
+export async function statistics(world: string, { x, y }: { x: number; y: number }, side: number, spacing: number): Promise<JsonObject> {
+  const bbox = [x - side / 2, y - side / 2, x + side / 2, y + side / 2];
+  return (await (await request(`worlds/${world}/statistics`, send('POST', { bbox, spacing }))).json()) as JsonObject;
 }
 
 /** A picture that needs the user's key, as an address of its own. */

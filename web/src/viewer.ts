@@ -7,13 +7,16 @@ import { STARTER } from './fields.ts';
 import { Follower } from './follower.ts';
 import { formatLink, parseLink, type Link, type Overlay } from './link.ts';
 import { TerrainMap, type View } from './map.ts';
+import { toMetres } from './mercator.ts';
 import { Notice } from './notice.ts';
 import { toMetres } from './mercator.ts';
 import { OverlayControl } from './overlay-control.ts';
 import { PlayControl } from './play-control.ts';
 import { Readout } from './readout.ts';
 import { showScale } from './scale.ts';
+import { Evolve } from './studio/evolve.ts';
 import { Studio } from './studio/studio.ts';
+import type { StudioEvents } from './studio/switcher.ts';
 import { ViewControl } from './view-control.ts';
 
 /** What opens beside the map, one at a time. */
@@ -57,6 +60,13 @@ export class Viewer {
   });
   readonly #playControl = new PlayControl(() => this.#play());
   readonly #overlayControl = new OverlayControl((overlays) => this.#changeView({ overlays }));
+  readonly #studioEvents: StudioEvents = {
+    created: (name) => void this.#showCreated(name),
+    breed: (session) => void new Studio(this.#studioEvents).show(session),
+    evolve: () => void new Evolve(this.#studioEvents).show(),
+    world: () => this.#world,
+    place: () => toMetres(this.#terrain?.camera ?? { lon: 0, lat: 0 }),
+  };
   #terrain: TerrainMap | undefined;
   #drawing: DrawPanel | undefined;
   #world: string | undefined;
@@ -69,7 +79,8 @@ export class Viewer {
   async start(): Promise<void> {
     this.#listen();
     await this.#begin();
-    if (Studio.wasOpen) this.#breed();
+    if (Evolve.wasOpen) void new Evolve(this.#studioEvents).show();
+    else if (Studio.wasOpen) this.#breed();
   }
 
   /** Reads the catalog and opens what the link says. Comes back here after a failure. */
@@ -312,7 +323,7 @@ export class Viewer {
   }
 
   #breed(): void {
-    void new Studio({ created: (name) => void this.#showCreated(name) }).show();
+    void new Studio(this.#studioEvents).show();
   }
 
   #isOpen(panel: Panel): boolean {

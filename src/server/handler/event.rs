@@ -49,7 +49,7 @@ fn event(kind: &str, id: String, data: &impl serde::Serialize) -> Event {
 /// Events as they happen: server-sent events, which end only with the connection or the server.
 ///
 /// `world` (`{"world", "revision"}`; `null` for a world that is gone), `generation` (`{"world", "layer", "number", "hash", "revision", "changed"}`: ground that evolves shows another, whose
-/// revision a `world` tells before; `changed` is `[minx, miny, maxx, maxy]` or `null`) and `job` (`{"job", "state", "progress"}`, when one begins and ends). Every event has an id; a client that comes back with
+/// revision a `world` tells before; `changed` is `[minx, miny, maxx, maxy]` or `null`) and `job` (`{"job", "state", "progress"}`, when one begins, goes on and ends). Every event has an id; a client that comes back with
 /// `Last-Event-ID` hears what it missed, as far as the last 1,024 events of this run of the server go, and `reset` (`{}`) where they do not: then it should look at everything anew.
 #[utoipa::path(get, path = "/events", tag = "events", params(
     EventQuery,

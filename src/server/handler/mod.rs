@@ -7,6 +7,7 @@ pub(super) mod description;
 mod document;
 pub(super) mod elevation;
 pub(super) mod event;
+pub(super) mod evolution;
 pub(super) mod evolving;
 pub(super) mod export;
 pub(super) mod feature;

@@ -155,7 +155,7 @@ pub(crate) struct PreviewQuery {
 }
 
 impl PreviewQuery {
-    fn pixels(&self) -> Result<usize, ApiError> {
+    pub(super) fn pixels(&self) -> Result<usize, ApiError> {
         let Some(size) = &self.size else { return Ok(USUAL_PIXELS) };
         let pixels = size.parse().ok().filter(|pixels| PIXELS.contains(pixels));
         pixels.ok_or_else(|| ApiError::parameter("size", format!("must be a whole number {} … {}, got {size:?}", PIXELS.start(), PIXELS.end())))

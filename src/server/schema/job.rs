@@ -1,17 +1,21 @@
 //! Jobs and rasters.
 
+use crate::world::WorkKind;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// What a job is asked for.
+/// What a job is asked for: one of the members.
 #[derive(ToSchema)]
 #[schema(as = Work)]
 #[serde(deny_unknown_fields)]
 #[expect(dead_code, reason = "work is read by crate::world; this describes it")]
 pub(in crate::server) struct WorkSchema {
-    /// `{"drawing": …}`, as a layer's source: see docs/paths.md.
-    #[schema(value_type = Object)]
-    paths: serde_json::Value,
+    /// `{"drawing": …}`, as a layer's source: see docs/paths.md. It becomes a raster.
+    #[schema(value_type = Option<Object>)]
+    paths: Option<serde_json::Value>,
+    /// `{"aim": …, "settings": …, "seed": …, "goal": …}`: a programme that is bred towards what is wanted, see docs/evolving.md.
+    #[schema(value_type = Option<Object>)]
+    evolution: Option<serde_json::Value>,
 }
 
 /// Long work.
@@ -21,6 +25,9 @@ pub(in crate::server) struct JobSchema {
     /// The name of what is asked for: asking for the same gives the same job.
     #[schema(pattern = "^[0-9a-f]{32}$")]
     pub id: String,
+    /// The member of what is asked for.
+    #[schema(inline, value_type = WorkKindName)]
+    pub kind: WorkKind,
     /// The title of what is asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub title: Option<String>,
@@ -34,6 +41,9 @@ pub(in crate::server) struct JobSchema {
     /// URL of the raster that it made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub raster: Option<String>,
+    /// URL of how an evolution goes, and of what it found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub evolution: Option<String>,
     /// Why it failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
@@ -49,8 +59,19 @@ pub(in crate::server) struct JobSchema {
 pub(in crate::server) enum JobStateName {
     Waiting,
     Running,
+    /// Until it is resumed or asked for again.
+    Stopped,
     Done,
     Failed,
+}
+
+/// What kind of work a job does.
+#[derive(ToSchema)]
+#[schema(rename_all = "lowercase")]
+#[expect(dead_code, reason = "the kind is that of crate::world; this describes it")]
+pub(in crate::server) enum WorkKindName {
+    Paths,
+    Evolution,
 }
 
 /// The jobs of a server.

@@ -1,10 +1,12 @@
 //! The JSON that goes over the wire, as `OpenAPI` describes it.
 
 mod breeding;
+mod evolution;
 mod evolving;
 mod job;
 
 pub(super) use breeding::{GenerationSchema, IndividualSchema, SessionEntry, SessionList, SessionSchema};
+pub(super) use evolution::{BestSchema, CriterionSchema, EvolutionSchema, GenerationPoint};
 pub(super) use evolving::{
     FedSchema, FeedbackSchema, GenerationName, GenerationsSchema, GrownGeneration, HashOrNumber, PlayerSchema, PlayersSchema, PromiseSchema, ReturnSchema,
     WaySchema,
@@ -313,6 +315,34 @@ pub(super) struct AccessibilitySchema {
     pub obstacles: usize,
     /// Length of the sides between the two in metres.
     pub edge: f64,
+}
+
+/// An area whose ground is asked about.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StatisticsQuestion {
+    /// `[minx, miny, maxx, maxy]` in metres.
+    #[schema(min_items = 4, max_items = 4)]
+    pub bbox: [f64; 4],
+    /// Metres between samples.
+    #[schema(exclusive_minimum = 0)]
+    pub spacing: f64,
+}
+
+/// What the ground of an area is like.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Statistics)]
+pub(super) struct StatisticsSchema {
+    /// Slopes in degrees at equal shares of the ground, ascending.
+    #[schema(min_items = 33, max_items = 33)]
+    pub slopes: Vec<f64>,
+    /// Heights as shares of the relief at equal shares of the ground, ascending from 0 to 1.
+    #[schema(min_items = 33, max_items = 33)]
+    pub heights: Vec<f64>,
+    /// Metres between the least and the greatest elevation.
+    pub relief: f64,
+    /// Root mean square of what samples differ by from the mean of their eight neighbours, a metre of spacing.
+    pub roughness: f64,
 }
 
 /// The ground along a line, in metres.

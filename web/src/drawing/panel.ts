@@ -374,7 +374,7 @@ export class DrawPanel {
       if (world !== this.#world || id !== this.#job) return;
       this.#job = undefined;
       this.#keep();
-      if (!job) this.#status('Given up.');
+      if (!job || job.state === 'stopped') this.#status('Given up.');
       else if (job.state === 'failed') this.#status(`It could not be made: ${job.failure ?? 'the server does not say why'}`, 'error');
       else await this.#place(job);
     } catch (error) {

@@ -18,7 +18,7 @@ export async function ended(id: string, seen: (job: Job) => void): Promise<Job |
       continue;
     }
     seen(job);
-    if (job.state === 'done' || job.state === 'failed') return job;
+    if (job.state === 'done' || job.state === 'failed' || job.state === 'stopped') return job;
     await pause(WAIT_MS);
   }
 }

@@ -5,11 +5,7 @@ import { ask, element } from '../dialog.ts';
 import { hasKey } from '../key.ts';
 import { NAME, slug } from '../text.ts';
 import { ancestors, bred, newRecord, told, upTo, worldOf, type Generation, type SessionRecord } from './record.ts';
-
-export interface StudioEvents {
-  /** A world was made of what was bred. */
-  created(name: string): void;
-}
+import { switcher, type StudioEvents } from './switcher.ts';
 
 const PLACE = 'terrane-studio';
 /** The keys of the twelve, in the order of the number row. */
@@ -60,6 +56,10 @@ export class Studio {
     const close = element('button', { type: 'button', className: 'quiet', textContent: 'Close' });
     close.addEventListener('click', () => this.#dialog.close());
     const heading = element('h2', { id: 'studio-title', textContent: 'Breed terrain' });
+    const views = switcher('breed', () => {
+      this.#dialog.close();
+      events.evolve();
+    });
     const label = element('label', { className: 'visually-hidden', htmlFor: 'studio-session', textContent: 'Session' });
     const grid = element('div', { className: 'twelve', role: 'group' });
     grid.setAttribute('aria-label', 'The generation');
@@ -67,7 +67,7 @@ export class Studio {
     this.#status.setAttribute('role', 'status');
     const side = element('div', { className: 'studio-side' }, element('h3', { textContent: 'History' }), this.#strip, element('h3', { textContent: 'Kept' }), this.#kept);
     this.#dialog.append(
-      element('div', { className: 'studio-head' }, heading, label, this.#select, fresh, imported, exported, gone, file, close),
+      element('div', { className: 'studio-head' }, heading, views, label, this.#select, fresh, imported, exported, gone, file, close),
       element('div', { className: 'studio-body' }, grid, side),
       element('div', { className: 'studio-foot' }, this.#status, element('div', { className: 'actions' }, ...Object.values(this.#actions))),
     );
@@ -85,12 +85,12 @@ export class Studio {
     return (JSON.parse(localStorage.getItem(PLACE) ?? '{}') as { open?: boolean }).open === true;
   }
 
-  async show(): Promise<void> {
+  async show(session?: string): Promise<void> {
     document.body.append(this.#dialog);
     this.#dialog.showModal();
     this.#cards[0]?.button.focus(); // where the keys are, not in the choice of sessions
     await this.#guarded(async () => {
-      const last = (JSON.parse(localStorage.getItem(PLACE) ?? '{}') as { name?: string }).name;
+      const last = session ?? (JSON.parse(localStorage.getItem(PLACE) ?? '{}') as { name?: string }).name;
       const known = await this.#list();
       const name = known.find((name) => name === last) ?? known[0];
       if (name === undefined) await this.#begin();
