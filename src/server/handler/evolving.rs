@@ -19,7 +19,7 @@ use crate::{
         worlds::Live,
     },
     store::GenerationEntry,
-    world::{DocumentError, read_document},
+    world::read_document,
 };
 use axum::{
     Json,
@@ -74,7 +74,7 @@ pub(crate) struct GenerationsQuery {
 }
 
 fn read<T: DeserializeOwned>(body: &[u8]) -> Result<T, ApiError> {
-    read_document(body).map_err(|error: DocumentError| ApiError::feedback(error))
+    read_document(body).map_err(ApiError::feedback)
 }
 
 fn answer(changed: Changed) -> Response {
