@@ -105,7 +105,7 @@ export class Game {
     this.#sea = Number(document['sea_level'] ?? 0);
     this.#terrain = new Terrain(this.#world, revision, this.#view.layers, {
       filled: (layer) => this.#view.update(layer),
-      arrived: (revision) => (this.#stage.dataset['revision'] = revision),
+      arrived: (revision, moved) => Object.assign(this.#stage.dataset, { revision, moved: String(moved) }),
       failed: (error) => this.#notice.error(error.message),
     }, reduced.matches);
     this.#stage.dataset['revision'] = revision;
