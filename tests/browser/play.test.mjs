@@ -134,8 +134,10 @@ test('one walks by keyboard alone, on the ground, and shapes what lies ahead', a
   await page.waitForFunction(() => document.querySelector('#past').disabled);
   assert.match(await page.locator('#past-reason').textContent(), /fly/);
 
+  const help = page.locator('#help');
+  const wasShown = await help.isVisible();
   await page.keyboard.press('h');
-  assert.ok(await page.locator('#help').isHidden());
+  assert.notEqual(await help.isVisible(), wasShown, 'H shows the keys, or puts them away');
   await page.keyboard.press('m');
   await page.waitForURL(/#world=living&at=/);
   await settled(page);
