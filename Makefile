@@ -15,7 +15,7 @@ web/node_modules/.package-lock.json: web/package.json web/package-lock.json
 	$(NPM_CI) --prefix web
 	@touch $@
 
-web/dist/index.html: web/node_modules/.package-lock.json web/index.html web/vite.config.ts $(shell find web/src web/public -type f)
+web/dist/index.html: web/node_modules/.package-lock.json web/index.html web/play.html web/vite.config.ts $(shell find web/src web/public -type f)
 	$(NPM) --prefix web run --silent build
 
 test: format lint unit browser

@@ -149,7 +149,7 @@ fn ground(document: &Value) -> Result<Ground, Failure> {
     let ground = &layer["source"]["adaptive"]["ground"];
     let number = |name: &str| ground[name].as_f64().ok_or_else(|| format!("the ground has no {name}"));
     // Every pass halves the distances, which end as those of the cells.
-    let line = number("cell")? * (1_u64 << number("passes")? as u32) as f64;
+    let line = number("cell")? * (1_u64 << number("passes")?.clamp(0.0, 32.0) as u32) as f64;
     let origin = [0, 1].map(|i| ground["origin"][i].as_f64().unwrap_or(0.0));
     let size = [(number("populations")? * number("lines")? - 1.0) * line, (number("length")? - 1.0) * line];
     Ok(Ground { layer: layer["name"].as_str().unwrap_or_default().to_owned(), origin, size })

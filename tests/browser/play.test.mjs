@@ -17,7 +17,7 @@ after(async () => {
 
 /** Pictures only when something has changed: without a graphics card each takes long. */
 const CALM = { reducedMotion: 'reduce' };
-const DESKTOP = { viewport: { width: 1280, height: 800 }, ...CALM };
+const SMALL = { viewport: { width: 480, height: 320 }, ...CALM };
 const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, ...CALM };
 
 /** What the page says of itself. */
@@ -40,11 +40,15 @@ const generation = (page, number) => page.waitForFunction((n) => document.queryS
 
 const screenshot = (page, name) => page.screenshot({ path: new URL(`out/${name}.png`, import.meta.url).pathname });
 
-async function hold(page, key, milliseconds) {
+/** Holds a key until the page says what `until` waits for, a function of what it says now and said before. */
+async function hold(page, key, until) {
+  const before = await page.locator('#play').evaluate(({ dataset }) => ({ ...dataset }));
   await page.keyboard.down(key);
-  await page.waitForTimeout(milliseconds);
+  await page.waitForFunction(([until, before]) => new Function('now', 'before', `return ${until}`)(document.querySelector('#play').dataset, before), [until, before]);
   await page.keyboard.up(key);
 }
+
+const WALKED = 'Math.hypot(now.east - before.east, now.north - before.north) > 4';
 
 const feed = async (body) => {
   const response = await fetch(`${server.url}/worlds/living/feedback`, { method: 'POST', body: JSON.stringify(body) });
@@ -52,34 +56,49 @@ const feed = async (body) => {
   return response.json();
 };
 
+/** Of a lattice of points that whose ground two revisions differ most about. */
+async function mostChanged(old, now) {
+  const points = Array.from({ length: 400 }, (_, i) => [-1500.5 + 157.9 * (i % 20), -1500.5 + 157.9 * Math.floor(i / 20)]);
+  const ask = async (revision) => {
+    const response = await fetch(`${server.url}/worlds/living@${revision}/elevation`, { method: 'POST', body: JSON.stringify({ points, spacing: 0.5 }) });
+    assert.equal(response.status, 200, await response.clone().text());
+    return (await response.json()).elevation;
+  };
+  const [were, are] = await Promise.all([ask(old), ask(now)]);
+  const by = points.map((_, i) => Math.abs(were[i] - are[i]));
+  const most = by.indexOf(Math.max(...by));
+  return { place: points[most], were: were[most], are: are[most] };
+}
+
 test('one walks by keyboard alone, on the ground, and shapes what lies ahead', async () => {
-  const page = await browser.open('#world=living&zoom=13&at=0,0', DESKTOP);
+  const page = await browser.open('#world=living&zoom=13&at=0,0', { viewport: { width: 900, height: 640 }, ...CALM });
   await settled(page);
   await page.keyboard.press('p'); // from the map into the world
   await page.waitForURL(/play\.html\?world=living#at=/);
   await ready(page);
   const first = await still(page);
+  await page.setViewportSize({ width: 1280, height: 800 });
+  await still(page);
   await screenshot(page, 'play');
+  await page.setViewportSize({ width: 640, height: 420 });
   assert.ok(Math.abs(first.eye - Math.max(0, first.ground) - 1.7) < 1e-3, `stands: ${first.eye} over ${first.ground}`);
   assert.equal(first.spacing, '0.5');
   const spot = `x=${first.east}&y=${first.north}`;
   const exact = await server.get(`worlds/living/elevation?${spot}&spacing=0.5`);
   assert.ok(Math.abs(exact.elevation - first.ground) < 0.05, `${exact.elevation} ${first.ground}`);
 
-  await hold(page, 'w', 2500);
+  await hold(page, 'w', WALKED);
   const walked = await still(page);
-  assert.ok(Math.hypot(walked.east - first.east, walked.north - first.north) > 3, 'W walks');
   assert.ok(Math.abs(walked.eye - Math.max(0, walked.ground) - 1.7) < 0.01, 'on the ground');
-  await hold(page, 'ArrowRight', 400);
-  assert.notEqual((await still(page)).heading, walked.heading, 'the arrow turns');
+  await hold(page, 'ArrowRight', 'now.heading - before.heading > 0.3');
 
   // Up, to see far; from the air nobody is promised anything.
   await page.keyboard.press('f');
-  await hold(page, 'r', 2500);
-  await hold(page, 'PageDown', 250);
+  await hold(page, 'r', 'now.eye - now.ground > 60');
+  await hold(page, 'PageDown', 'now.pitch - before.pitch < -0.2');
   const high = await still(page);
   assert.equal(high.flying, 'true');
-  assert.ok(high.eye > high.ground + 15, `${high.eye} over ${high.ground}`);
+  assert.ok(high.eye > high.ground + 50, `${high.eye} over ${high.ground}`);
   await page.selectOption('#reach', '');
   await page.locator('#ground').focus();
   const before = await said(page);
@@ -87,26 +106,38 @@ test('one walks by keyboard alone, on the ground, and shapes what lies ahead', a
   await generation(page, 1);
   await page.waitForFunction((old) => document.querySelector('#play').dataset.revision !== old, before.revision);
   const after = await still(page);
+  assert.ok(Number(after.moved) > 20, `${after.moved} of ${after.blocks} blocks have moved`);
+  await page.setViewportSize({ width: 1280, height: 800 });
+  await still(page);
   await screenshot(page, 'play-shaped');
-  assert.notEqual(after.ground, before.ground, 'the ground is another');
-  const moved = await server.get(`worlds/living/elevation?x=${after.east}&y=${after.north}&spacing=0.5`);
-  assert.ok(Math.abs(moved.elevation - after.ground) < 0.05, 'and the one that the server tells');
+  await page.setViewportSize({ width: 640, height: 420 });
 
-  // Back to the first: only while nobody walks.
+  // Where it has changed most, the page shows what the server tells, and what it told before once one has gone back to the first generation.
+  const { place, were, are } = await mostChanged(before.revision, after.revision);
+  assert.ok(Math.abs(were - are) > 1, `${were} m became ${are} m`);
+  await page.goto(`${server.url}/play.html?world=living&there#at=${place}`);
+  await ready(page);
+  await page.keyboard.press('f');
+  const changed = await still(page);
+  assert.ok(Math.abs(changed.ground - are) < 0.05, `${changed.ground} instead of ${are}`);
   const strip = page.locator('#past');
+  await page.waitForFunction(() => !document.querySelector('#past').disabled);
   await strip.focus();
   await page.keyboard.press('Home');
   await generation(page, 0);
-  await page.waitForFunction((old) => document.querySelector('#play').dataset.revision !== old, after.revision);
-  assert.equal((await still(page)).ground, before.ground, 'as it was');
+  await page.waitForFunction((old) => document.querySelector('#play').dataset.revision !== old, changed.revision);
+  const back = await still(page);
+  assert.ok(Math.abs(back.ground - were) < 0.05, `${back.ground} instead of ${were}`);
   assert.equal(await strip.getAttribute('max'), '1', 'what came after can be gone on to');
   await page.locator('#ground').focus();
   await page.keyboard.press('f');
   await page.waitForFunction(() => document.querySelector('#past').disabled);
   assert.match(await page.locator('#past-reason').textContent(), /fly/);
 
+  const help = page.locator('#help');
+  const wasShown = await help.isVisible();
   await page.keyboard.press('h');
-  assert.ok(await page.locator('#help').isHidden());
+  assert.notEqual(await help.isVisible(), wasShown, 'H shows the keys, or puts them away');
   await page.keyboard.press('m');
   await page.waitForURL(/#world=living&at=/);
   await settled(page);
@@ -114,7 +145,7 @@ test('one walks by keyboard alone, on the ground, and shapes what lies ahead', a
 });
 
 test('the ground ahead adapts to who walks, and the ground below stays', async () => {
-  const page = await browser.open('play.html?world=living#at=-600,-500&to=40', { viewport: { width: 640, height: 400 }, ...CALM });
+  const page = await browser.open('play.html?world=living#at=-600,-500&to=40', SMALL);
   await ready(page);
   const { generations } = await server.get('worlds/living/generations');
   await page.keyboard.press('g');
@@ -154,7 +185,7 @@ test('on a phone a tap shapes', async () => {
 test('what others do is seen at once, on the map and in the game', async () => {
   const map = await browser.open('#world=living&zoom=13&at=0,0', CALM);
   await settled(map);
-  const game = await browser.open('play.html?world=living#at=900,900&to=200', { viewport: { width: 480, height: 320 }, ...CALM });
+  const game = await browser.open('play.html?world=living#at=900,900&to=200', SMALL);
   await ready(game);
   await game.keyboard.press('f');
   const before = await still(game);

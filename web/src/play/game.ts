@@ -105,7 +105,7 @@ export class Game {
     this.#sea = Number(document['sea_level'] ?? 0);
     this.#terrain = new Terrain(this.#world, revision, this.#view.layers, {
       filled: (layer) => this.#view.update(layer),
-      arrived: (revision) => (this.#stage.dataset['revision'] = revision),
+      arrived: (revision, moved) => Object.assign(this.#stage.dataset, { revision, moved: String(moved) }),
       failed: (error) => this.#notice.error(error.message),
     }, reduced.matches);
     this.#stage.dataset['revision'] = revision;
@@ -246,14 +246,14 @@ export class Game {
   /** The figures in the corner, and the address. */
   #show(now: number): void {
     this.#shown = now;
-    const { place, eye, heading } = this.#walker;
+    const { place, eye, heading, pitch } = this.#walker;
     const ground = this.#terrain.height(place);
     if (ground === undefined) return;
     find('#elevation').textContent = ground.toFixed(1);
     find('#coordinates').textContent = `x ${Math.round(place.east)}, y ${Math.round(-place.south)}`;
     Object.assign(this.#stage.dataset, {
       east: place.east.toFixed(3), north: (-place.south).toFixed(3), eye: eye.toFixed(3), ground: ground.toFixed(4),
-      heading: heading.toFixed(3), flying: String(this.#walker.flying), phase: this.#terrain.phase, blocks: String(this.#terrain.blocks),
+      heading: heading.toFixed(3), pitch: pitch.toFixed(3), flying: String(this.#walker.flying), phase: this.#terrain.phase, blocks: String(this.#terrain.blocks),
       spacing: String(this.#terrain.spacing(place) ?? ''), still: String(this.#terrain.still), slowest: this.#slowest.toFixed(1),
       refinement: this.#pace.refinement.toFixed(2), pixels: this.#pace.pixels.toFixed(2),
     });

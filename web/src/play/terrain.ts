@@ -36,8 +36,8 @@ function together(a: Changed, b: Changed): Changed {
 export interface TerrainEvents {
   /** The heights of a layer are to be sent to the graphics card. */
   filled(layer: number): void;
-  /** The ground is now that of a revision, its move has begun. */
-  arrived(revision: string): void;
+  /** The ground is now that of a revision, the move of so many blocks has begun. */
+  arrived(revision: string, moved: number): void;
   failed(error: Error): void;
 }
 
@@ -297,7 +297,7 @@ export class Terrain {
 
   #move(): void {
     this.#phase = 'moving';
-    this.events.arrived(this.revision);
+    this.events.arrived(this.revision, [...this.#blocks.values()].filter(({ moves }) => moves).length);
   }
 
   /** Nothing moved: the revision alone is new. */
@@ -305,7 +305,7 @@ export class Terrain {
     this.#share = 1;
     this.#phase = 'still';
     this.#target = undefined;
-    this.events.arrived(this.revision);
+    this.events.arrived(this.revision, 0);
   }
 
   #settle(): void {
