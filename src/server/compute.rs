@@ -7,6 +7,9 @@ use std::{
 };
 use tokio::sync::oneshot;
 
+/// Of a thread for jobs, which evaluates programmes on top of what it was waiting in. Only what is used of it takes memory.
+const STACK_BYTES: usize = 16 << 20;
+
 /// A task panicked; it was logged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("an evaluation panicked")]
@@ -24,7 +27,7 @@ impl Compute {
     /// The same for work that nobody waits for: where the system knows of priorities, its threads run when no others want to.
     pub(super) fn last(name: &'static str, threads: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
         let named = rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(move |i| format!("{name}-{i}"));
-        named.start_handler(|_| give_way()).build().map(Self)
+        named.start_handler(|_| give_way()).stack_size(STACK_BYTES).build().map(Self)
     }
 
     /// How many threads it has.
