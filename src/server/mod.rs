@@ -1,6 +1,7 @@
 //! HTTP: parse, call, answer.
 
 mod access;
+mod adaptive;
 mod address;
 mod breeding;
 mod budget;
@@ -12,7 +13,6 @@ mod editing;
 mod embedded;
 mod error;
 mod events;
-mod evolving;
 mod exports;
 mod extract;
 mod features;

@@ -5,7 +5,7 @@ use super::{
     config::Reads,
     error::ApiError,
     handler::{
-        accessibility, breeding, catalog, description, elevation, event, evolution, evolving, export, feature, feature_edit, health, job, layer, programme,
+        accessibility, adaptive, breeding, catalog, description, elevation, event, evolution, export, feature, feature_edit, health, job, layer, programme,
         raster, shader, tile, viewer, world,
     },
     observe::observe,
@@ -34,7 +34,7 @@ use utoipa_axum::{router::OpenApiRouter, routes};
     tags(
         (name = "worlds", description = "World documents and their revisions"),
         (name = "features", description = "The features that worlds keep: rivers, ridges, lakes, as GeoJSON"),
-        (name = "evolving", description = "Ground that evolves while it is used"),
+        (name = "adaptive", description = "Ground that evolves while it is used"),
         (name = "programmes", description = "The library of terrain programmes"),
         (name = "breeding", description = "Terrain programmes bred by a designer's choice"),
         (name = "tiles", description = "Terrain as tiles"),
@@ -71,11 +71,11 @@ fn others() -> OpenApiRouter<App> {
         .routes(routes!(feature::list_features, feature_edit::post_features))
         .routes(routes!(feature::get_feature, feature_edit::put_feature, feature_edit::delete_feature))
         .routes(routes!(feature_edit::generate_features))
-        .routes(routes!(evolving::post_feedback))
-        .routes(routes!(evolving::list_generations))
-        .routes(routes!(evolving::put_generation))
-        .routes(routes!(evolving::list_players))
-        .routes(routes!(evolving::put_player, evolving::delete_player))
+        .routes(routes!(adaptive::post_feedback))
+        .routes(routes!(adaptive::list_generations))
+        .routes(routes!(adaptive::put_generation))
+        .routes(routes!(adaptive::list_players))
+        .routes(routes!(adaptive::put_player, adaptive::delete_player))
         .routes(routes!(programme::list_programmes, programme::post_programme))
         .routes(routes!(programme::get_programme, programme::put_programme, programme::delete_programme))
         .routes(routes!(programme::get_text))

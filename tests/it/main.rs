@@ -1,6 +1,7 @@
 //! Tests of the whole: HTTP without sockets, the real program, golden tiles, the house.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test says what is wrong by failing")]
 
+mod adaptive;
 mod bombs;
 mod breeding;
 mod client;
@@ -11,7 +12,6 @@ mod determinism;
 mod encoding;
 mod events;
 mod evolution;
-mod evolving;
 mod example;
 mod export;
 mod features;

@@ -1,6 +1,7 @@
 //! The handlers: extract, one call, answer.
 
 pub(super) mod accessibility;
+pub(super) mod adaptive;
 pub(super) mod breeding;
 pub(super) mod catalog;
 pub(super) mod description;
@@ -8,7 +9,6 @@ mod document;
 pub(super) mod elevation;
 pub(super) mod event;
 pub(super) mod evolution;
-pub(super) mod evolving;
 pub(super) mod export;
 pub(super) mod feature;
 pub(super) mod feature_edit;

@@ -2,8 +2,8 @@
 
 use super::document::{self, DeleteErrors, NameQuery, SaveErrors};
 use crate::server::{
+    adaptive::check_change,
     error::ApiError,
-    evolving::check_change,
     extract::{Body, Known, NameOf, PublicUrl, WorldAt, WriteCondition},
     headers::Freshness,
     schema::{ProblemDetails, RevisionSchema, WorldSchema},

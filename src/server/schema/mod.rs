@@ -1,16 +1,16 @@
 //! The JSON that goes over the wire, as `OpenAPI` describes it.
 
+mod adaptive;
 mod breeding;
 mod evolution;
-mod evolving;
 mod job;
 
-pub(super) use breeding::{GenerationSchema, IndividualSchema, SessionEntry, SessionList, SessionSchema};
-pub(super) use evolution::{BestSchema, CriterionSchema, EvolutionSchema, GenerationPoint};
-pub(super) use evolving::{
+pub(super) use adaptive::{
     FedSchema, FeedbackSchema, GenerationName, GenerationsSchema, GrownGeneration, HashOrNumber, PlayerSchema, PlayersSchema, PromiseSchema, ReturnSchema,
     WaySchema,
 };
+pub(super) use breeding::{GenerationSchema, IndividualSchema, SessionEntry, SessionList, SessionSchema};
+pub(super) use evolution::{BestSchema, CriterionSchema, EvolutionSchema, GenerationPoint};
 pub(super) use job::{JobList, JobPreviewSchema, JobSchema, JobStateName, RasterList, RasterSchema, WorkSchema};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

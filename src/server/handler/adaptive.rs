@@ -4,8 +4,8 @@ use crate::{
     evolve::{Feedback, HISTORY_FORM, History, Step},
     geometry::PLANE_LIMIT,
     server::{
+        adaptive::{self, Changed, Said, Target, invalid},
         error::ApiError,
-        evolving::{self, Changed, Said, Target, invalid},
         extract::{Asker, Body, Known, NameOf, PlayerAt, WorldAt, WriteCondition},
         headers::{Freshness, json, tagged},
         players::Full,
@@ -40,7 +40,7 @@ const MAX_HISTORY_BYTES: u64 = 1 << 26;
 /// Why the ground stays as it is.
 #[derive(IntoResponses)]
 #[expect(dead_code, reason = "for the description alone")]
-pub(crate) enum EvolvingErrors {
+pub(crate) enum AdaptiveErrors {
     #[response(status = 400, description = "The body is no JSON, or a condition cannot be understood", content_type = "application/problem+json")]
     BadRequest(ProblemDetails),
     #[response(
@@ -93,11 +93,11 @@ fn answer(changed: Changed) -> Response {
 /// Breeds the next generation of an adaptive layer: more of what the feedback points at.
 ///
 /// The world's new revision shows it. Around players, and their ways since the last generation, nothing changes.
-#[utoipa::path(post, path = "/worlds/{world}/feedback", tag = "evolving", params(("world" = inline(Name), Path, description = "A name"), MatchCondition), request_body = FeedbackSchema, responses(
+#[utoipa::path(post, path = "/worlds/{world}/feedback", tag = "adaptive", params(("world" = inline(Name), Path, description = "A name"), MatchCondition), request_body = FeedbackSchema, responses(
     (status = 200, description = "The generation", body = FedSchema, headers(("ETag" = String, description = "The world's new revision"))),
     (status = 412, description = "The condition does not hold", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 503, description = "Too much feedback is waiting", body = ProblemDetails, content_type = "application/problem+json"),
-    EvolvingErrors,
+    AdaptiveErrors,
 ))]
 pub(crate) async fn post_feedback(
     State(app): State<App>,
@@ -108,11 +108,11 @@ pub(crate) async fn post_feedback(
 ) -> Result<Response, ApiError> {
     let FeedbackSchema { layer, points, heights, radius, players } = read(&body)?;
     let feedback = Feedback { points, heights, radius, ways: Vec::new(), margin: 0.0 };
-    Ok(answer(evolving::feed(&app, asker, name, Said { layer, feedback, players }, condition).await?))
+    Ok(answer(adaptive::feed(&app, asker, name, Said { layer, feedback, players }, condition).await?))
 }
 
 /// The generations of an adaptive layer, from the first to the one that is shown.
-#[utoipa::path(get, path = "/worlds/{world}/generations", tag = "evolving", params(("world" = String, Path, description = "`name` or `name@revision`"), GenerationsQuery), responses(
+#[utoipa::path(get, path = "/worlds/{world}/generations", tag = "adaptive", params(("world" = String, Path, description = "`name` or `name@revision`"), GenerationsQuery), responses(
     (status = 200, description = "The generations", body = GenerationsSchema, headers(("ETag" = String, description = "A hash of the answer"))),
     (status = 304, description = "The answer is the one that If-None-Match names"),
     (status = 400, description = "The layer is not one that adapts, or the history is too long to be answered", body = ProblemDetails, content_type = "application/problem+json"),
@@ -124,7 +124,7 @@ pub(crate) async fn list_generations(
     Known(query): Known<GenerationsQuery>,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
-    let (_, layer, generation) = evolving::chosen(live.document(), query.layer.as_deref()).map_err(|detail| ApiError::parameter("layer", detail))?;
+    let (_, layer, generation) = adaptive::chosen(live.document(), query.layer.as_deref()).map_err(|detail| ApiError::parameter("layer", detail))?;
     let mut way = app.0.store.generations(generation.hash()).await?;
     if way.is_empty() {
         // Nobody has fed it.
@@ -159,12 +159,12 @@ async fn history(app: &App, generation: &crate::evolve::Generation) -> Result<Hi
 }
 
 /// Lets an adaptive layer show a generation that was bred before, from which the next will be bred. Nothing is lost: those after it can be gone to by their hashes.
-#[utoipa::path(put, path = "/worlds/{world}/generation", tag = "evolving", params(("world" = inline(Name), Path, description = "A name"), MatchCondition), request_body = ReturnSchema, responses(
+#[utoipa::path(put, path = "/worlds/{world}/generation", tag = "adaptive", params(("world" = inline(Name), Path, description = "A name"), MatchCondition), request_body = ReturnSchema, responses(
     (status = 200, description = "The generation", body = FedSchema, headers(("ETag" = String, description = "The world's revision"))),
     (status = 409, description = "A player is on the ground, or within the promised distance of it", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 412, description = "The condition does not hold", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 503, description = "Too much feedback is waiting", body = ProblemDetails, content_type = "application/problem+json"),
-    EvolvingErrors,
+    AdaptiveErrors,
 ))]
 pub(crate) async fn put_generation(
     State(app): State<App>,
@@ -177,11 +177,11 @@ pub(crate) async fn put_generation(
         HashOrNumber::Hash(hash) => Target::Hash(hash),
         HashOrNumber::Number(number) => Target::Number(number),
     };
-    Ok(answer(evolving::go_to(&app, name, layer, target, condition).await?))
+    Ok(answer(adaptive::go_to(&app, name, layer, target, condition).await?))
 }
 
 /// Who plays in a world.
-#[utoipa::path(get, path = "/worlds/{world}/players", tag = "evolving", params(("world" = String, Path, description = "`name` or `name@revision`")), responses(
+#[utoipa::path(get, path = "/worlds/{world}/players", tag = "adaptive", params(("world" = String, Path, description = "`name` or `name@revision`")), responses(
     (status = 200, description = "The players", body = PlayersSchema),
     (status = 404, description = "No such world or revision", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
@@ -195,13 +195,13 @@ pub(crate) async fn list_players(State(app): State<App>, WorldAt { live, .. }: W
 ///
 /// As long as it is there, nothing changes within the promised distance of where it is, and of its way since each generation: for exact samples, and for tiles at spacings up to the
 /// cells of the ground.
-#[utoipa::path(put, path = "/worlds/{world}/players/{player}", tag = "evolving", params(
+#[utoipa::path(put, path = "/worlds/{world}/players/{player}", tag = "adaptive", params(
     ("world" = inline(Name), Path, description = "A name"),
     ("player" = inline(Name), Path, description = "A name of its own: 1 to 63 of a … z, 0 … 9 and -"),
 ), request_body = WaySchema, responses(
     (status = 200, description = "It is there", body = PromiseSchema),
     (status = 409, description = "As many players as a world can have are there", body = ProblemDetails, content_type = "application/problem+json"),
-    EvolvingErrors,
+    AdaptiveErrors,
 ))]
 pub(crate) async fn put_player(State(app): State<App>, PlayerAt { world, player }: PlayerAt, Body(body): Body) -> Result<Response, ApiError> {
     let WaySchema { positions } = read(&body)?;
@@ -214,14 +214,14 @@ pub(crate) async fn put_player(State(app): State<App>, PlayerAt { world, player 
     // While a generation is bred this waits: what is answered counts from then on.
     let mut room = app.0.players.hold(&world).await;
     let live = Live::shelf(&app).get(&world).ok_or_else(|| ApiError::absent("world", format!("no world is named {world:?}")))?;
-    let grounds = evolving::grounds(live.document());
+    let grounds = adaptive::grounds(live.document());
     room.go(&player, &positions, &grounds, Instant::now()).map_err(|Full| ApiError::Conflict("As many players as a world can have are there.".to_owned()))?;
     let promise = grounds.iter().map(|(_, ground)| ground.promise).reduce(f64::min);
     Ok(([(header::CACHE_CONTROL, "no-store")], Json(PromiseSchema { promise })).into_response())
 }
 
 /// A player leaves: nothing is promised to whoever is not there.
-#[utoipa::path(delete, path = "/worlds/{world}/players/{player}", tag = "evolving", params(
+#[utoipa::path(delete, path = "/worlds/{world}/players/{player}", tag = "adaptive", params(
     ("world" = inline(Name), Path, description = "A name"),
     ("player" = inline(Name), Path, description = "The player's name"),
 ), responses(

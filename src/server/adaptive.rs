@@ -25,9 +25,9 @@ use tokio::sync::Semaphore;
 const MOST_WAITING: usize = 256;
 
 /// What waits to be bred.
-pub(super) struct Evolving(Arc<Semaphore>);
+pub(super) struct Feeding(Arc<Semaphore>);
 
-impl Evolving {
+impl Feeding {
     pub(super) fn new() -> Self {
         Self(Arc::new(Semaphore::new(MOST_WAITING)))
     }
@@ -115,7 +115,7 @@ async fn in_turn<F: Future<Output = Result<Changed, ApiError>> + Send + 'static>
     app: &App,
     change: impl FnOnce(App) -> F + Send + 'static,
 ) -> Result<Changed, ApiError> {
-    let Ok(waiting) = Arc::clone(&app.0.evolving.0).try_acquire_owned() else { return Err(ApiError::Busy) };
+    let Ok(waiting) = Arc::clone(&app.0.adaptive.0).try_acquire_owned() else { return Err(ApiError::Busy) };
     let app = app.clone();
     let task = tokio::spawn(async move {
         let _waiting = waiting;
