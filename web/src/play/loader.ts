@@ -58,7 +58,10 @@ export class Loader {
     const url = `worlds/${this.world}@${revision}/metric/r32/${z}/${x}/${y}@${VERTICES}.bin`;
     const condition: Record<string, string> = tag ? { 'If-None-Match': tag } : {};
     const response = await fetch(url, { headers: { ...condition, ...authorization() } });
-    if (response.status === 304) return { heights: undefined, tag };
+    if (response.status === 304) {
+      await response.arrayBuffer(); // nothing, but browsers call an answer cancelled that nobody has read
+      return { heights: undefined, tag };
+    }
     if (BUSY.includes(response.status)) {
       this.#pausedUntil = performance.now() + BUSY_WAIT_MS;
       return undefined;
