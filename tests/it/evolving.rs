@@ -264,7 +264,7 @@ async fn nothing_changes_around_players() {
         for player in ["ann", "bob"] {
             let mut at = [draws.between(0.0, 1280.0), draws.between(0.0, 1280.0)];
             let mut way = Vec::new();
-            for _ in 0..1 + draws.below(3) {
+            for _ in 0..=draws.below(3) {
                 at = [at[0] + 50.0 * draws.normal(), at[1] + 50.0 * draws.normal()];
                 way.push(at);
             }

@@ -5,7 +5,7 @@ use crate::{
     geometry::PLANE_LIMIT,
     server::{
         error::ApiError,
-        evolving::{self, Changed, Said, Target, invalid},
+        evolving::{self, Said, Shown, Target, invalid},
         extract::{Asker, Body, Known, NameOf, PlayerAt, WorldAt, WriteCondition},
         headers::{Freshness, json, tagged},
         players::Full,
@@ -77,8 +77,8 @@ fn read<T: DeserializeOwned>(body: &[u8]) -> Result<T, ApiError> {
     read_document(body).map_err(ApiError::feedback)
 }
 
-fn answer(changed: Changed) -> Response {
-    let Changed { live, layer, generation, changed, deviation } = changed;
+fn answer(changed: Shown) -> Response {
+    let Shown { live, layer, generation, changed, deviation } = changed;
     let revision = live.revision().to_string();
     let body = FedSchema {
         layer,
