@@ -50,7 +50,7 @@ pub(super) enum Target {
 }
 
 /// A layer of a world shows another generation.
-pub(super) struct Changed {
+pub(super) struct Shown {
     pub live: Arc<Live>,
     pub layer: String,
     pub generation: Arc<Generation>,
@@ -111,10 +111,10 @@ async fn turn(app: &App, name: &str, condition: &Condition) -> Result<Turn, ApiE
 }
 
 /// Runs a change on a task of its own: once begun it ends, whether or not the client stays.
-async fn in_turn<F: Future<Output = Result<Changed, ApiError>> + Send + 'static>(
+async fn in_turn<F: Future<Output = Result<Shown, ApiError>> + Send + 'static>(
     app: &App,
     change: impl FnOnce(App) -> F + Send + 'static,
-) -> Result<Changed, ApiError> {
+) -> Result<Shown, ApiError> {
     let Ok(waiting) = Arc::clone(&app.0.adaptive.0).try_acquire_owned() else { return Err(ApiError::Busy) };
     let app = app.clone();
     let task = tokio::spawn(async move {
@@ -128,7 +128,7 @@ async fn in_turn<F: Future<Output = Result<Changed, ApiError>> + Send + 'static>
 }
 
 /// Breeds a generation of a world's layer and saves the revision of the world that shows it. Where anything fails, nothing is changed.
-pub(super) async fn feed(app: &App, asker: Asker, name: String, said: Said, condition: Condition) -> Result<Changed, ApiError> {
+pub(super) async fn feed(app: &App, asker: Asker, name: String, said: Said, condition: Condition) -> Result<Shown, ApiError> {
     in_turn(app, move |app| async move {
         let _editing = app.0.editing.begin(&name).await;
         let Turn { live, mut players } = turn(&app, &name, &condition).await?;
@@ -180,7 +180,7 @@ async fn bred(app: &App, old: Arc<Generation>, feedback: Feedback) -> Result<Bre
 }
 
 /// Saves the revision of a world that shows another generation, with what is new of that: both or neither.
-async fn save(app: &App, live: &Live, (i, layer): (usize, &str), old: &Arc<Generation>, bred: Bred) -> Result<Changed, ApiError> {
+async fn save(app: &App, live: &Live, (i, layer): (usize, &str), old: &Arc<Generation>, bred: Bred) -> Result<Shown, ApiError> {
     let Bred { generation, new, area, deviation } = bred;
     let shelf = Live::shelf(app);
     let mut document = serde_json::to_value(live.document()).map_err(|error| ApiError::internal("writing a world", &error))?;
@@ -205,11 +205,11 @@ async fn save(app: &App, live: &Live, (i, layer): (usize, &str), old: &Arc<Gener
     if generation.hash() != old.hash() {
         app.0.events.send(told);
     }
-    Ok(Changed { live, layer: layer.to_owned(), generation, changed, deviation })
+    Ok(Shown { live, layer: layer.to_owned(), generation, changed, deviation })
 }
 
 /// Shows another generation of a world's layer that was bred before. Refused while a player is there.
-pub(super) async fn go_to(app: &App, name: String, layer: Option<String>, target: Target, condition: Condition) -> Result<Changed, ApiError> {
+pub(super) async fn go_to(app: &App, name: String, layer: Option<String>, target: Target, condition: Condition) -> Result<Shown, ApiError> {
     in_turn(app, move |app| async move {
         let _editing = app.0.editing.begin(&name).await;
         let Turn { live, players } = turn(&app, &name, &condition).await?;

@@ -4,7 +4,7 @@ use crate::{
     evolve::{Feedback, HISTORY_FORM, History, Step},
     geometry::PLANE_LIMIT,
     server::{
-        adaptive::{self, Changed, Said, Target, invalid},
+        adaptive::{self, Said, Shown, Target, invalid},
         error::ApiError,
         extract::{Asker, Body, Known, NameOf, PlayerAt, WorldAt, WriteCondition},
         headers::{Freshness, json, tagged},
@@ -77,8 +77,8 @@ fn read<T: DeserializeOwned>(body: &[u8]) -> Result<T, ApiError> {
     read_document(body).map_err(ApiError::feedback)
 }
 
-fn answer(changed: Changed) -> Response {
-    let Changed { live, layer, generation, changed, deviation } = changed;
+fn answer(changed: Shown) -> Response {
+    let Shown { live, layer, generation, changed, deviation } = changed;
     let revision = live.revision().to_string();
     let body = FedSchema {
         layer,
