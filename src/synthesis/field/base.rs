@@ -5,7 +5,7 @@ use super::{
     pattern::Heights,
     raster::{RegionRaster, squared_distances},
     relax::Slopes,
-    source::TypeSources,
+    source::{TypeSources, distance, shares},
 };
 use crate::{
     genetic::Draws,
@@ -20,6 +20,9 @@ pub(super) const FALLOFF: f64 = 5.0;
 /// Cells of grounds that are tried for a region, all together, and how many grounds at least and at most.
 const TRIED_CELLS: usize = 3_000_000;
 const TRIED: [usize; 2] = [4, 48];
+
+/// Degrees between the slopes of a ground and those of its type's samples that count as much as all similarity.
+const APART: f64 = 10.0;
 
 /// A region of the base.
 struct Part {
@@ -93,7 +96,9 @@ impl Base<'_> {
                 }
             }
         }
-        let divide = |values: &mut [f64], weights: &[f64]| values.iter_mut().zip(weights).filter(|(_, weight)| **weight > 0.0).for_each(|(value, weight)| *value /= weight);
+        let divide = |values: &mut [f64], weights: &[f64]| {
+            values.iter_mut().zip(weights).filter(|(_, weight)| **weight > 0.0).for_each(|(value, weight)| *value /= weight)
+        };
         divide(&mut whole.heights, &weights);
         divide(&mut whole.east, &steps[0]);
         divide(&mut whole.south, &steps[1]);
@@ -105,7 +110,8 @@ impl Base<'_> {
     fn region(&self, part: &Part, stop: &Stop) -> Option<Vec<f32>> {
         let cells = part.size[0] * part.size[1];
         let tried = (TRIED_CELLS / cells).clamp(TRIED[0], TRIED[1]);
-        let grounds: Vec<Option<(f64, Vec<f32>)>> = (0..tried).into_par_iter().map(|number| if stop.is_set() { None } else { self.attempt(part, number) }).collect();
+        let grounds: Vec<Option<(f64, Vec<f32>)>> =
+            (0..tried).into_par_iter().map(|number| if stop.is_set() { None } else { self.attempt(part, number) }).collect();
         if stop.is_set() {
             return None;
         }
@@ -129,6 +135,8 @@ impl Base<'_> {
         let grid = SampleGrid { columns: part.size[0], rows: part.size[1], spacing: [self.raster.frame.spacing; 2], heights };
         let analysis = Analysis::new(grid, None);
         let profile = analysis.profile_in(|cell| part.alpha[cell] >= 0.5, Linking::Whole);
-        Some((self.models[part.kind].value(&profile), analysis.grid.heights))
+        let slopes = shares(analysis.slope.iter().zip(&part.alpha).filter(|(_, alpha)| **alpha >= 0.5).map(|(slope, _)| *slope));
+        let distance = distance(&slopes, &stock.slopes);
+        Some((self.models[part.kind].value(&profile) - distance / APART, analysis.grid.heights))
     }
 }

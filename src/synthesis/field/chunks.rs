@@ -51,7 +51,11 @@ impl<'a> Quilt<'a> {
         for y in starts(rows, size[1], step[1]) {
             for x in starts(columns, size[0], step[0]) {
                 let at = [x as i32, y as i32];
-                let candidates: Vec<Chunk> = (0..LOOKS).filter_map(|_| quilt.candidate(at, size, draws)).collect();
+                let mut candidates: Vec<Chunk> = (0..LOOKS).filter_map(|_| quilt.candidate(at, size, true, draws)).collect();
+                if candidates.is_empty() {
+                    // Where nearly nothing counts, what does not count is better than nothing.
+                    candidates.extend(quilt.candidate(at, size, false, draws));
+                }
                 let costs: Vec<f64> = candidates.iter().map(|candidate| quilt.cost(candidate, size)).collect();
                 let best = (0..costs.len()).reduce(|best, other| if costs[other] < costs[best] { other } else { best })?;
                 quilt.lay(candidates[best], size);
@@ -60,13 +64,18 @@ impl<'a> Quilt<'a> {
         Some(quilt)
     }
 
-    /// A chunk by chance, if it lies where cells count.
-    fn candidate(&self, at: [i32; 2], [columns, rows]: [usize; 2], draws: &mut Draws) -> Option<Chunk> {
+    /// A chunk by chance, if it lies where cells count or these need not.
+    fn candidate(&self, at: [i32; 2], [columns, rows]: [usize; 2], counting: bool, draws: &mut Draws) -> Option<Chunk> {
         let turn = Turn(draws.below(8) as u8);
         let size = if turn.0 & 1 == 0 { [columns, rows] } else { [rows, columns] };
         let free = |of: [usize; 2]| [0, 1].map(|axis: usize| (of[axis] + 1).saturating_sub(size[axis]));
-        let weights: Vec<f64> =
-            self.stock.sources.iter().map(|source| free([source.grid.columns, source.grid.rows])).map(|[x, y]| x.min(1) as f64 * y.min(1) as f64 * ((x * y) as f64).sqrt()).collect();
+        let weights: Vec<f64> = self
+            .stock
+            .sources
+            .iter()
+            .map(|source| free([source.grid.columns, source.grid.rows]))
+            .map(|[x, y]| x.min(1) as f64 * y.min(1) as f64 * ((x * y) as f64).sqrt())
+            .collect();
         if weights.iter().all(|weight| *weight == 0.0) {
             return None;
         }
@@ -74,7 +83,7 @@ impl<'a> Quilt<'a> {
         let source = &self.stock.sources[sample];
         let corner = free([source.grid.columns, source.grid.rows]).map(|free| draws.below(free) as i32);
         let size = size.map(|side| side as i32);
-        if !source.counts(corner, size) {
+        if counting && !source.counts(corner, size) {
             return None;
         }
         let ends = [turn.of([0, 0]), turn.of([columns as i32 - 1, rows as i32 - 1])];

@@ -7,6 +7,7 @@ use super::{
     options::FieldOptions,
     pattern::Heights,
     raster::{Frame, RegionRaster},
+    report::{FieldCheckpoint, FieldGeneration, FieldLevel, FieldProgress, FieldStep, MAX_FIELD_CELLS},
     source::TypeSources,
     tally::BLOCK,
 };
@@ -19,88 +20,7 @@ use crate::{
     },
 };
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-
-/// Ground at a level.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FieldLevel {
-    /// Metres between cells.
-    pub level: Level,
-    /// Cells from west to east.
-    pub columns: usize,
-    /// Cells from north to south.
-    pub rows: usize,
-    /// Metres, row by row from the north-west.
-    pub heights: Vec<f32>,
-    /// How fit it is, 0 … 1; of the coarsest level how similar.
-    pub fitness: f64,
-    /// How well its genes fit the level before, 0 … 1; of the coarsest level 1.
-    pub compatibility: f64,
-    /// How similar its regions are to their types, 0 … 1, weighted by area; edges are linked within blocks.
-    pub similarity: f64,
-    /// The same with edges linked over whole regions.
-    pub whole_similarity: f64,
-    /// How many grounds were evaluated.
-    pub evaluations: u64,
-}
-
-/// Where the genetic algorithm of a level is.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FieldGeneration {
-    /// Generations bred.
-    pub generation: usize,
-    /// How many grounds were evaluated.
-    pub evaluations: u64,
-    /// The genes of every ground.
-    pub genomes: Vec<Vec<Gene>>,
-}
-
-/// All that a synthesis goes on from: written down after a generation and read again, it goes on to the same bits.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FieldCheckpoint {
-    /// SHA-256 of all that the ground depends on, in hexadecimal.
-    pub inputs: String,
-    /// Levels that are done, from the coarsest.
-    pub done: Vec<FieldLevel>,
-    /// The level under way.
-    pub current: Option<FieldGeneration>,
-}
-
-/// How far a synthesis is.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct FieldProgress {
-    /// The level under way, or just done.
-    pub level: Level,
-    /// Its number, from 0 for the coarsest.
-    pub number: usize,
-    /// How many levels there are.
-    pub levels: usize,
-    /// Generations bred of this level.
-    pub generation: usize,
-    /// Generations of a level.
-    pub generations: usize,
-    /// The greatest fitness.
-    pub best: f64,
-    /// From 0 to 1: every level counts nine times as much as the one before.
-    pub share: f64,
-}
-
-/// What is told after every generation.
-#[derive(Clone, Copy, Debug)]
-pub struct FieldStep<'a> {
-    /// How far it is.
-    pub progress: FieldProgress,
-    /// What it goes on from.
-    pub checkpoint: &'a FieldCheckpoint,
-    /// Columns of the best ground so far.
-    pub columns: usize,
-    /// Its heights, row by row from the north-west.
-    pub heights: &'a [f32],
-}
 
 /// New ground by example: a genetic algorithm blends pieces of the samples of every region's type, level by level from the coarsest to the finest that all types have in common.
 ///
@@ -170,8 +90,12 @@ impl<'a> Synthesis<'a> {
             used.sort_unstable();
             used.dedup();
             let which = used.iter().map(named).collect::<Vec<_>>().join(", ");
-            return Err(LibraryProblem { pointer: "/regions".to_owned(), detail: format!("its types have no level in common that is not finer than asked for: {which}") });
+            return Err(LibraryProblem {
+                pointer: "/regions".to_owned(),
+                detail: format!("its types have no level in common that is not finer than asked for: {which}"),
+            });
         }
+        check_size(map, levels.last().map_or(1.0, |level| level.spacing()))?;
         let smoothness = names.iter().map(|one| names.iter().map(|other| library.smoothness_between(one, other)).collect()).collect();
         let checkpoint = FieldCheckpoint { inputs: inputs(library, ready, map, &options), done: Vec::new(), current: None };
         Ok(Self { ready, topology, map: map.clone(), kinds, smoothness, options, levels, checkpoint })
@@ -235,7 +159,7 @@ impl<'a> Synthesis<'a> {
     #[must_use]
     pub fn raster(&self, level: Level) -> RegionRaster {
         let smoothness = |a: usize, b: usize| self.smoothness[self.kinds[a]][self.kinds[b]];
-        // Curves of the coarsest level are refined once and drawn at all, so that regions are the same ground at every level.
+        // Curves are refined for the finest level and drawn at all, so that regions are the same ground at every level.
         let spacing = self.levels.last().map_or(level.spacing(), |finest| finest.spacing());
         let refined = refine(&self.topology, &smoothness, Refinement { spacing, seed: self.options.seed });
         RegionRaster::new(&self.topology, &refined, Frame::around(&self.map, level.spacing()))
@@ -280,7 +204,7 @@ impl<'a> Synthesis<'a> {
             Some(before) => {
                 let pattern = Heights { columns: before.columns, rows: before.rows, heights: before.heights.clone() };
                 let options = self.options;
-                let ground = Ground::new(&raster, pattern, material.gene, &kind, (&material.types, &material.blocks), &options);
+                let ground = Ground::new(&raster, &pattern, material.gene, &kind, (&material.types, &material.blocks), &options);
                 let Some(made) = self.bred(&ground, number, stop, each) else { return false };
                 let (evaluation, evaluations) = made;
                 let whole = whole_similarity(&evaluation.ground, &raster, &kind, &material.whole);
@@ -309,6 +233,7 @@ impl<'a> Synthesis<'a> {
                 self.checkpoint.current = Some(current);
                 Evolution::resume(ground, state).ok()?
             }
+            // Begun again the level comes to the same bits.
             _ => Evolution::new(ground, settings, seed, stop).ok()??,
         };
         let mut wanted = !stop.is_set();
@@ -348,7 +273,15 @@ impl<'a> Synthesis<'a> {
         let all: f64 = (0..self.levels.len()).map(weight).sum();
         let before: f64 = (0..number).map(weight).sum();
         let part = if number == 0 { 1.0 } else { (generation as f64 + 1.0) / (generations as f64 + 1.0) };
-        FieldProgress { level: self.levels[number], number, levels: self.levels.len(), generation, generations, best, share: (before + part * weight(number)) / all }
+        FieldProgress {
+            level: self.levels[number],
+            number,
+            levels: self.levels.len(),
+            generation,
+            generations,
+            best,
+            share: (before + part * weight(number)) / all,
+        }
     }
 }
 
@@ -362,6 +295,17 @@ impl Ground<'_> {
         };
         genome.len() == self.layout.count() && genome.iter().enumerate().all(sound)
     }
+}
+
+/// Refuses maps with too many cells.
+fn check_size(map: &Map, spacing: f64) -> Result<(), LibraryProblem> {
+    let [columns, rows] = Frame::sides(map, spacing);
+    if columns * rows <= MAX_FIELD_CELLS as f64 {
+        return Ok(());
+    }
+    let detail =
+        format!("the map has {columns} × {rows} cells at {spacing} m, and a field at most {MAX_FIELD_CELLS}: make it smaller or its finest level coarser");
+    Err(LibraryProblem { pointer: "/regions".to_owned(), detail })
 }
 
 fn done(level: Level, heights: Heights, [fitness, compatibility, similarity, whole_similarity]: [f64; 4], evaluations: u64) -> FieldLevel {

@@ -111,11 +111,7 @@ fn of_gene(gene: &Gene, source: &Source, means: &Means, direction: [f32; 2], [x,
 fn compare((height, gradient): (f32, [f32; 2]), (wanted, pattern): (f32, [f32; 2]), kind: &TypeSources) -> [Option<f64>; 3] {
     let ((slope, angle), (wanted_slope, wanted_angle)) = (slope_of(gradient, kind), slope_of(pattern, kind));
     let angle = wanted_angle.map(|wanted| angle.map_or(0.0, |angle| projection(wrapped(angle - wanted), FRAC_PI_2)));
-    [
-        Some(projection(f64::from(height) - f64::from(wanted), QUARTER * kind.range)),
-        Some(projection(slope - wanted_slope, QUARTER * kind.steepest)),
-        angle,
-    ]
+    [Some(projection(f64::from(height) - f64::from(wanted), QUARTER * kind.range)), Some(projection(slope - wanted_slope, QUARTER * kind.steepest)), angle]
 }
 
 /// The mean of what there is.
@@ -129,7 +125,8 @@ impl Fit {
     pub(super) fn new(gene: &Gene, kind: &TypeSources, target: &Target, layout: &Layout) -> Self {
         let (source, direction) = (&kind.sources[gene.sample as usize], gene.direction());
         let whole = compare(of_gene(gene, source, &source.scales.gene, direction, [0, 0]), target.whole, kind);
-        let parts = ninths(layout).zip(&target.ninths).map(|(place, wanted)| compare(of_gene(gene, source, &source.scales.part, direction, place), *wanted, kind));
+        let parts =
+            ninths(layout).zip(&target.ninths).map(|(place, wanted)| compare(of_gene(gene, source, &source.scales.part, direction, place), *wanted, kind));
         let value = 0.5 * mean([whole].into_iter()) + 0.5 * mean(parts);
         Self { mean: whole[0].unwrap_or(1.0), slope: whole[1].unwrap_or(1.0), angle: whole[2].unwrap_or(1.0), value }
     }

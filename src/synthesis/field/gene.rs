@@ -4,6 +4,7 @@ use super::{
     pattern::{Heights, cubic},
     source::{Source, TypeSources},
 };
+use crate::synthesis::grid::SampleGrid;
 use serde::{Deserialize, Serialize};
 
 /// Share of a gene that the next one overlaps.
@@ -174,25 +175,33 @@ fn blend(cells: usize, genes: usize, pitch: usize, reach: usize) -> Vec<(usize, 
 
 /// What a row of a gene is read with.
 struct Reader<'a> {
-    source: &'a Source,
+    grid: &'a SampleGrid,
+    heights: &'a [f32],
     gene: &'a Gene,
     direction: [f32; 2],
     mean: f32,
+    offset: f32,
 }
 
 impl<'a> Reader<'a> {
-    fn new(source: &'a Source, gene: &'a Gene) -> Self {
-        let means = &source.scales.gene;
-        let mean = means.mean[means.cell(gene.column as isize, gene.row as isize)];
-        Self { source, gene, direction: gene.direction(), mean }
+    fn new(source: &'a Source, gene: &'a Gene, reading: Reading) -> Self {
+        let (grid, direction) = (&source.grid, gene.direction());
+        match reading {
+            Reading::Whole => {
+                let means = &source.scales.gene;
+                let mean = means.mean[means.cell(gene.column as isize, gene.row as isize)];
+                Self { grid, heights: &grid.heights, gene, direction, mean, offset: gene.offset }
+            }
+            Reading::Detail => Self { grid, heights: &source.detail, gene, direction, mean: 0.0, offset: 0.0 },
+        }
     }
 
     /// The height `x` cells east and `y` south of its middle.
     #[inline(always)]
     fn at(&self, x: i32, y: i32) -> f32 {
-        let grid = &self.source.grid;
+        let grid = self.grid;
         let clamp = |at: i32, cells: usize| at.clamp(0, cells as i32 - 1) as usize;
-        let cell = |column: i32, row: i32| grid.heights[clamp(row, grid.rows) * grid.columns + clamp(column, grid.columns)];
+        let cell = |column: i32, row: i32| self.heights[clamp(row, grid.rows) * grid.columns + clamp(column, grid.columns)];
         let height = if self.gene.rotation == 0.0 {
             let [x, y] = self.gene.turn.of([x, y]);
             cell(self.gene.column + x, self.gene.row + y)
@@ -206,8 +215,17 @@ impl<'a> Reader<'a> {
             };
             down[0] * line(row) + down[1] * line(row + 1) + down[2] * line(row + 2) + down[3] * line(row + 3)
         };
-        height + self.gene.offset + (self.gene.scale - 1.0) * (height - self.mean)
+        height + self.offset + (self.gene.scale - 1.0) * (height - self.mean)
     }
+}
+
+/// What of a sample is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Reading {
+    /// Its heights.
+    Whole,
+    /// What the level before does not hold.
+    Detail,
 }
 
 /// Which type each gene is of, and the samples.
@@ -216,6 +234,8 @@ pub(super) struct Stock<'a> {
     pub(super) types: &'a [TypeSources],
     /// Of every gene.
     pub(super) kinds: &'a [usize],
+    /// What of the samples is read.
+    pub(super) reading: Reading,
 }
 
 impl Layout {
@@ -252,7 +272,7 @@ impl Layout {
                 let slot = &mut readers[gene % 2];
                 if slot.as_ref().is_none_or(|(known, _)| *known != gene) {
                     let kind = &stock.types[stock.kinds[index]];
-                    *slot = Some((gene, Reader::new(&kind.sources[genome[index].sample as usize], &genome[index])));
+                    *slot = Some((gene, Reader::new(&kind.sources[genome[index].sample as usize], &genome[index], stock.reading)));
                 }
                 let x = column as i32 - (gene * self.pitch + self.pitch / 2) as i32;
                 slot.as_ref().map_or(0.0, |(_, reader)| reader.at(x, y))

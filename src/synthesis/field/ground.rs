@@ -2,9 +2,9 @@
 
 use super::{
     fit::{Fit, Target},
-    gene::{Gene, Layout, Stock},
+    gene::{Gene, Layout, Reading, Stock},
     options::FieldOptions,
-    pattern::{Heights, STEP},
+    pattern::Heights,
     raster::RegionRaster,
     source::{Scales, TypeSources},
     tally::{BLOCK, Block, Blocks, NOWHERE},
@@ -36,8 +36,8 @@ pub(super) struct Ground<'a> {
     models: &'a [TypeModel],
     pub(super) regions: Vec<Region>,
     cell_regions: Vec<u16>,
-    /// The level before.
-    pattern: Heights,
+    /// The level before at this level's cells.
+    pattern: Vec<f32>,
     spacing: f64,
     reach: usize,
     middle: f32,
@@ -46,11 +46,7 @@ pub(super) struct Ground<'a> {
 /// What is known of a genome.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Evaluation {
-    /// What the genes blend to.
-    decoded: Heights,
-    /// By how much that differs from the level before.
-    residual: Heights,
-    /// The ground.
+    /// The level before, and the details that the genes blend to.
     pub(super) ground: Heights,
     blocks: Vec<Block>,
     /// Of every gene.
@@ -90,7 +86,7 @@ impl<'a> Ground<'a> {
     /// Of a level that follows a `pattern`, three times as coarse. `kind` gives a region's type.
     pub(super) fn new(
         raster: &RegionRaster,
-        pattern: Heights,
+        pattern: &Heights,
         gene: usize,
         kind: &dyn Fn(u32) -> usize,
         (types, models): (&'a [TypeSources], &'a [TypeModel]),
@@ -110,11 +106,26 @@ impl<'a> Ground<'a> {
         };
         let kinds = (0..layout.count()).map(|gene| kind(raster.regions[at(gene)])).collect();
         let gene_regions = (0..layout.count()).map(|gene| number(raster.regions[at(gene)])).collect();
-        let cell_regions: Vec<u16> = raster.regions.iter().zip(&raster.inside).map(|(region, inside)| if *inside { number(*region) } else { NOWHERE }).collect();
+        let cell_regions: Vec<u16> =
+            raster.regions.iter().zip(&raster.inside).map(|(region, inside)| if *inside { number(*region) } else { NOWHERE }).collect();
         let area = |number: usize| cell_regions.iter().filter(|region| usize::from(**region) == number).count();
         let regions = present.iter().enumerate().map(|(number, region)| Region { kind: kind(*region), area: area(number) }).collect();
         let middle = grid.heights[grid.heights.len() / 2];
-        Self { layout, types, kinds, gene_regions, targets, options, models, regions, cell_regions, pattern, spacing: raster.frame.spacing, reach: edges::reach(), middle }
+        Self {
+            layout,
+            types,
+            kinds,
+            gene_regions,
+            targets,
+            options,
+            models,
+            regions,
+            cell_regions,
+            spacing: raster.frame.spacing,
+            reach: edges::reach(),
+            middle,
+            pattern: grid.heights,
+        }
     }
 
     fn blocks(&self) -> Blocks<'_> {
@@ -131,6 +142,18 @@ impl<'a> Ground<'a> {
         }
     }
 
+    /// The distributions of every region.
+    #[cfg(test)]
+    pub(super) fn profiles(&self, known: &Evaluation) -> Vec<crate::synthesis::Profile> {
+        self.blocks().profiles(&known.blocks)
+    }
+
+    /// The region of a cell.
+    #[cfg(test)]
+    pub(super) fn region_of(&self, cell: usize) -> Option<usize> {
+        (self.cell_regions[cell] != NOWHERE).then(|| usize::from(self.cell_regions[cell]))
+    }
+
     /// The type of a gene.
     pub(super) fn kind(&self, gene: usize) -> &'a TypeSources {
         &self.types[self.kinds[gene]]
@@ -142,8 +165,6 @@ impl<'a> Ground<'a> {
         let flat = Heights { columns, rows, heights: vec![0.0; columns * rows] };
         let blocks = self.blocks().count;
         Evaluation {
-            decoded: flat.clone(),
-            residual: Heights { heights: vec![0.0; self.pattern.heights.len()], ..self.pattern.clone() },
             ground: flat,
             blocks: vec![Vec::new(); blocks[0] * blocks[1]],
             fits: vec![Fit::default(); self.layout.count()],
@@ -162,36 +183,24 @@ impl<'a> Ground<'a> {
             known.fits[gene] = Fit::new(&genome[gene], self.kind(gene), &self.targets[gene], &self.layout);
         }
         let rectangle = |[from, to]: [usize; 2], row: usize| ([from * pitch, (to * pitch).min(cells[0])], [row * pitch, ((row + 1) * pitch).min(cells[1])]);
-        let stock = Stock { types: self.types, kinds: &self.kinds };
-        let decoded = dilated(changed, genes, 1);
-        for (run, row) in runs(&decoded, genes[0]) {
+        let stock = Stock { types: self.types, kinds: &self.kinds, reading: Reading::Detail };
+        let near = dilated(changed, genes, 1);
+        for (run, row) in runs(&near, genes[0]) {
             let (across, down) = rectangle(run, row);
-            self.layout.decode(genome, &stock, &mut known.decoded, across, down);
-        }
-        for (run, row) in runs(&decoded, genes[0]) {
-            let (across, down) = rectangle(run, row);
-            let coarse = |[from, to]: [usize; 2]| [from / STEP, to.div_ceil(STEP)];
-            self.pattern.residual(&known.decoded, &mut known.residual, coarse(across), coarse(down));
-        }
-        // A residual changes the cells of its own and of two cells on either side.
-        let settled = dilated(&decoded, genes, (3 * STEP).div_ceil(pitch));
-        for (run, row) in runs(&settled, genes[0]) {
-            let (across, down) = rectangle(run, row);
+            self.layout.decode(genome, &stock, &mut known.ground, across, down);
             for row in down[0]..down[1] {
                 let cells = row * cells[0] + across[0]..row * cells[0] + across[1];
-                known.ground.heights[cells.clone()].copy_from_slice(&known.decoded.heights[cells]);
+                known.ground.heights[cells.clone()].iter_mut().zip(&self.pattern[cells]).for_each(|(detail, pattern)| *detail += pattern);
             }
-            known.residual.add_finer(&mut known.ground.heights, cells[0], across, down);
         }
         let blocks = self.blocks();
         let mut dirty = vec![false; blocks.count[0] * blocks.count[1]];
-        for (run, row) in runs(&settled, genes[0]) {
+        for (run, row) in runs(&near, genes[0]) {
             let (across, down) = rectangle(run, row);
-            let near = |[from, to]: [usize; 2], axis: usize| {
-                from.saturating_sub(self.reach) / blocks.side..((to + self.reach).min(cells[axis])).div_ceil(blocks.side)
-            };
-            for row in near(down, 1) {
-                near(across, 0).for_each(|column| dirty[row * blocks.count[0] + column] = true);
+            let reached =
+                |[from, to]: [usize; 2], axis: usize| from.saturating_sub(self.reach) / blocks.side..((to + self.reach).min(cells[axis])).div_ceil(blocks.side);
+            for row in reached(down, 1) {
+                reached(across, 0).for_each(|column| dirty[row * blocks.count[0] + column] = true);
             }
         }
         blocks.update(&known.ground, &dirty, &mut known.blocks);

@@ -14,12 +14,14 @@ mod options;
 mod pattern;
 mod raster;
 mod relax;
+mod report;
 mod source;
 mod tally;
 #[cfg(test)]
 mod tests;
 
-pub use drive::{FieldCheckpoint, FieldGeneration, FieldLevel, FieldProgress, FieldStep, Synthesis};
+pub use drive::Synthesis;
 pub use gene::{Gene, Turn};
 pub use options::FieldOptions;
 pub use raster::{Frame, RegionRaster};
+pub use report::{FieldCheckpoint, FieldGeneration, FieldLevel, FieldProgress, FieldStep, MAX_FIELD_CELLS};

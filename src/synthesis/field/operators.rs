@@ -110,8 +110,14 @@ impl Ground<'_> {
     /// Does something to a gene, what mends it more probably.
     fn change(&self, gene: usize, child: &mut [Gene], [similar, flatness]: [f64; 2], fit: &Fit, draws: &mut Draws) {
         let wrong = |fit: f64| 0.1 + (1.0 - fit);
-        let weights =
-            [0.5 * wrong(fit.mean), wrong(fit.slope) + 4.0 * (1.0 - flatness).abs(), 0.5 * wrong(fit.angle), 0.4 + (1.0 - similar) + (1.0 - fit.value), 0.4, 0.05];
+        let weights = [
+            0.5 * wrong(fit.mean),
+            wrong(fit.slope) + 4.0 * (1.0 - flatness).abs(),
+            0.5 * wrong(fit.angle),
+            0.4 + (1.0 - similar) + (1.0 - fit.value),
+            0.4,
+            0.05,
+        ];
         let (kind, target, own) = (self.kind(gene), &self.targets[gene], child[gene]);
         child[gene] = match OPERATORS[draws.weighted(&weights)] {
             Operator::Offset => {
@@ -190,7 +196,8 @@ impl Ground<'_> {
             let turned = Gene { rotation: rotation.clamp(-FRAC_PI_4, FRAC_PI_4) as f32, ..scaled };
             let held = |piece: &Gene| kind.sources[piece.sample as usize].holds(piece.column, piece.row, piece.needs(self.layout.reach));
             let judged = |piece: Gene| (piece, Fit::new(&piece, kind, target, &self.layout).value);
-            let better = [level, scaled, turned].into_iter().filter(held).map(judged).fold((own, fit.value), |best, other| if other.1 > best.1 { other } else { best });
+            let better =
+                [level, scaled, turned].into_iter().filter(held).map(judged).fold((own, fit.value), |best, other| if other.1 > best.1 { other } else { best });
             if better.0 != own {
                 genome[gene] = better.0;
                 changed.push(gene);

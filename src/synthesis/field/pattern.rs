@@ -1,4 +1,6 @@
-//! The level before as what the next one follows: brought to its cells, and put back where the genes left it.
+//! The level before as what the next one follows, and what of a sample it does not hold.
+
+use crate::synthesis::{gaussian::mirrored, grid::SampleGrid};
 
 /// Cells of a level for one of the level before, a side.
 pub(super) const STEP: usize = 3;
@@ -31,39 +33,60 @@ fn among(fine: usize, cells: usize) -> ([usize; 4], [f32; 4]) {
 impl Heights {
     /// Cells three times as near, columns × rows of them from the north-western corner.
     pub(super) fn finer(&self, columns: usize, rows: usize) -> Self {
-        let mut heights = vec![0.0; columns * rows];
-        self.add_finer(&mut heights, columns, [0, columns], [0, rows]);
-        Self { columns, rows, heights }
-    }
-
-    /// Adds the finer cells of a rectangle to those of a grid so wide.
-    pub(super) fn add_finer(&self, onto: &mut [f32], columns: usize, [west, east]: [usize; 2], [north, south]: [usize; 2]) {
-        let across: Vec<_> = (west..east).map(|column| among(column, self.columns)).collect();
+        let mut heights = Vec::with_capacity(columns * rows);
+        let across: Vec<_> = (0..columns).map(|column| among(column, self.columns)).collect();
         let mut line = vec![0.0_f32; self.columns];
-        let needed = across.first().map_or(0, |(cells, _)| cells[0])..across.last().map_or(0, |(cells, _)| cells[3] + 1);
-        for row in north..south {
+        for row in 0..rows {
             let (cells, weights) = among(row, self.rows);
             let rows = cells.map(|cell| &self.heights[cell * self.columns..][..self.columns]);
-            for column in needed.clone() {
-                line[column] =
-                    weights[0] * rows[0][column] + weights[1] * rows[1][column] + weights[2] * rows[2][column] + weights[3] * rows[3][column];
+            for (column, height) in line.iter_mut().enumerate() {
+                *height = weights[0] * rows[0][column] + weights[1] * rows[1][column] + weights[2] * rows[2][column] + weights[3] * rows[3][column];
             }
-            for (height, (cells, weights)) in onto[row * columns + west..row * columns + east].iter_mut().zip(&across) {
-                *height += weights[0] * line[cells[0]] + weights[1] * line[cells[1]] + weights[2] * line[cells[2]] + weights[3] * line[cells[3]];
-            }
+            let height = |(cells, weights): &([usize; 4], [f32; 4])| {
+                weights[0] * line[cells[0]] + weights[1] * line[cells[1]] + weights[2] * line[cells[2]] + weights[3] * line[cells[3]]
+            };
+            heights.extend(across.iter().map(height));
         }
+        Self { columns, rows, heights }
     }
+}
 
-    /// What is left of it when the mean of the fine cells of every cell is taken away, for a rectangle of its cells; elsewhere it is as `onto` was.
-    pub(super) fn residual(&self, fine: &Heights, onto: &mut Heights, [west, east]: [usize; 2], [north, south]: [usize; 2]) {
-        for row in north..south {
-            for column in west..east {
-                let (x, y) = (STEP * column, STEP * row);
-                let (to_x, to_y) = ((x + STEP).min(fine.columns), (y + STEP).min(fine.rows));
-                let sum: f32 = (y..to_y).map(|y| fine.heights[y * fine.columns + x..y * fine.columns + to_x].iter().sum::<f32>()).sum();
-                let count = ((to_x - x) * (to_y - y)) as f32;
-                onto.heights[row * self.columns + column] = self.heights[row * self.columns + column] - sum / count;
-            }
+/// What a level holds of the one three times as fine, as a kernel: the low-pass that brings samples to a level (three lobes), then cubic interpolation, over all ways in which coarse cells lie among fine ones.
+fn passed() -> Vec<f32> {
+    let sinc = |x: f64| if x == 0.0 { 1.0 } else { libm::sin(core::f64::consts::PI * x) / (core::f64::consts::PI * x) };
+    let reduced: Vec<f64> = (-8_i32..=8).map(|i| f64::from(i) / 3.0).map(|x| sinc(x) * sinc(x / 3.0)).collect();
+    let weight = |distance: i32| {
+        let cubic = cubic((distance % 3) as f32 / 3.0);
+        f64::from(cubic[1 - (distance / 3) as usize])
+    };
+    let raised: Vec<f64> = (-5_i32..=5).map(|i| weight(i.abs())).collect();
+    let mut kernel = vec![0.0; reduced.len() + raised.len() - 1];
+    for (i, a) in reduced.iter().enumerate() {
+        for (j, b) in raised.iter().enumerate() {
+            kernel[i + j] += a * b;
         }
     }
+    let sum: f64 = kernel.iter().sum();
+    kernel.iter().map(|weight| (weight / sum) as f32).collect()
+}
+
+/// What of a sample the level before does not hold, metres.
+pub(super) fn detail(grid: &SampleGrid) -> Vec<f32> {
+    let (kernel, columns, rows) = (passed(), grid.columns, grid.rows);
+    let half = (kernel.len() / 2) as isize;
+    let middle = grid.heights[grid.heights.len() / 2];
+    let mut across = Vec::with_capacity(columns * rows);
+    for row in grid.heights.chunks_exact(columns) {
+        let at =
+            |x: usize| kernel.iter().enumerate().map(|(i, weight)| weight * (row[mirrored(x as isize + i as isize - half, columns)] - middle)).sum::<f32>();
+        across.extend((0..columns).map(at));
+    }
+    let mut passed = vec![0.0_f32; columns * rows];
+    for (y, out) in passed.chunks_exact_mut(columns).enumerate() {
+        for (i, weight) in kernel.iter().enumerate() {
+            let line = &across[mirrored(y as isize + i as isize - half, rows) * columns..][..columns];
+            out.iter_mut().zip(line).for_each(|(sum, height)| *sum += weight * height);
+        }
+    }
+    grid.heights.iter().zip(&passed).map(|(height, passed)| (height - middle) - passed).collect()
 }

@@ -15,18 +15,25 @@ pub struct Frame {
     pub rows: usize,
 }
 
+/// Where a map begins and ends along an axis.
+fn bounds(map: &Map, axis: usize) -> [f64; 2] {
+    let all = map.regions.iter().flat_map(|region| region.rings.iter().flatten()).map(|vertex| vertex[axis]);
+    all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], c| [low.min(c), high.max(c)])
+}
+
 impl Frame {
     /// The least frame that holds all of a map; the last column and row may reach over it.
     #[must_use]
     pub fn around(map: &Map, spacing: f64) -> Self {
-        let bounds = |axis: usize| {
-            let all = map.regions.iter().flat_map(|region| region.rings.iter().flatten()).map(move |vertex| vertex[axis]);
-            all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], c| [low.min(c), high.max(c)])
-        };
-        let ([west, east], [south, north]) = (bounds(0), bounds(1));
+        let ([west, _], [_, north]) = (bounds(map, 0), bounds(map, 1));
+        let [columns, rows] = Self::sides(map, spacing).map(|cells| cells as usize);
+        Self { corner: [west, north], spacing, columns, rows }
+    }
+
+    /// How many columns and rows [`around`](Self::around) has, whole numbers however many.
+    pub(super) fn sides(map: &Map, spacing: f64) -> [f64; 2] {
         // Nine cells and a rounding are nine cells.
-        let cells = |length: f64| (libm::ceil(length / spacing - 1e-6).max(1.0)) as usize;
-        Self { corner: [west, north], spacing, columns: cells(east - west), rows: cells(north - south) }
+        [0, 1].map(|axis| bounds(map, axis)).map(|[low, high]| libm::ceil((high - low) / spacing - 1e-6).max(1.0))
     }
 
     /// How many cells it has.
@@ -122,7 +129,15 @@ impl RegionRaster {
     pub fn image(&self, colour: impl Fn(u32) -> [u8; 3]) -> Vec<u8> {
         let cell = |cell: usize| {
             let colour = colour(self.regions[cell]);
-            colour.map(|c| if self.distance[cell] < 1.0 { c / 2 } else if self.inside[cell] { c } else { 128 + c / 2 })
+            colour.map(|c| {
+                if self.distance[cell] < 1.0 {
+                    c / 2
+                } else if self.inside[cell] {
+                    c
+                } else {
+                    128 + c / 2
+                }
+            })
         };
         (0..self.regions.len()).flat_map(cell).collect()
     }

@@ -1,6 +1,9 @@
 //! Samples of a type at a level, with what genes are chosen by.
 
-use super::gene::{Gene, Layout, Turn};
+use super::{
+    gene::{Gene, Layout, Turn},
+    pattern::detail,
+};
 use crate::genetic::Draws;
 use crate::synthesis::{analysis::Analysis, grid::SampleGrid, windows::Windows};
 
@@ -49,6 +52,8 @@ impl Scales {
 pub(super) struct Source {
     pub(super) grid: SampleGrid,
     pub(super) scales: Scales,
+    /// What the level before does not hold, metres.
+    pub(super) detail: Vec<f32>,
     /// Sums of cells that do not count from the north-western corner; nothing where all count.
     masked: Vec<u32>,
 }
@@ -67,7 +72,7 @@ impl Source {
             }
             sums
         });
-        Self { scales: Scales::new(&analysis.grid, &analysis.gradient, layout), grid: analysis.grid.clone(), masked }
+        Self { scales: Scales::new(&analysis.grid, &analysis.gradient, layout), detail: detail(&analysis.grid), grid: analysis.grid.clone(), masked }
     }
 
     /// Whether a square of cells lies inside of it and all of it counts.
@@ -98,8 +103,32 @@ pub(super) struct TypeSources {
     pub(super) range: f64,
     /// The greatest slope of a mean over a gene.
     pub(super) steepest: f64,
+    /// Shares of slopes below every quarter of a degree.
+    pub(super) slopes: Vec<f64>,
     /// Where a gene can point to in each, as a weight.
     places: Vec<f64>,
+}
+
+/// Slopes in a degree that are told apart.
+const FINE: f64 = 4.0;
+
+/// Shares of slopes, degrees, that are below every quarter of a degree.
+pub(super) fn shares(slopes: impl Iterator<Item = f32>) -> Vec<f64> {
+    let mut counts = vec![0_usize; (90.0 * FINE) as usize];
+    let last = counts.len() - 1;
+    slopes.for_each(|slope| counts[((f64::from(slope) * FINE) as usize).min(last)] += 1);
+    let all = counts.iter().sum::<usize>().max(1) as f64;
+    let mut below = 0;
+    let share = |count: &usize| {
+        below += count;
+        below as f64 / all
+    };
+    counts.iter().map(share).collect()
+}
+
+/// How far slopes lie apart in the mean, degrees: the Wasserstein distance of distributions.
+pub(super) fn distance(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| (one - other).abs()).sum::<f64>() / FINE
 }
 
 /// How often a place is drawn before one that does not count will do.
@@ -114,9 +143,13 @@ impl TypeSources {
         let [low, high] = heights().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], height| [low.min(*height), high.max(*height)]);
         let slope = |[x, y]: &[f32; 2]| f64::from(*x) * f64::from(*x) + f64::from(*y) * f64::from(*y);
         let steepest = sources.iter().flat_map(|source| source.scales.gene.gradient.iter().map(slope)).fold(0.0, f64::max).sqrt();
+        let counts = |analysis: &Analysis, cell: usize| analysis.mask.as_ref().is_none_or(|mask| mask[cell]);
+        let all =
+            analyses.iter().flat_map(|analysis| analysis.slope.iter().enumerate().filter(move |(cell, _)| counts(analysis, *cell)).map(|(_, slope)| *slope));
+        let slopes = shares(all);
         let free = |cells: usize| (cells - layout.side() + 1) as f64;
         let places = sources.iter().map(|source| free(source.grid.columns) * free(source.grid.rows)).collect();
-        Self { range: f64::from(high - low).max(1e-3), steepest: steepest.max(1e-6), places, sources }
+        Self { range: f64::from(high - low).max(1e-3), steepest: steepest.max(1e-6), slopes, places, sources }
     }
 
     /// A place by chance, turned by quarters and mirrored by chance.
