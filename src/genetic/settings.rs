@@ -90,7 +90,7 @@ pub struct SettingsError {
 }
 
 impl SettingsError {
-    pub(super) fn new(at: impl Into<String>, message: impl Into<String>) -> Self {
+    pub(crate) fn new(at: impl Into<String>, message: impl Into<String>) -> Self {
         Self { at: at.into(), message: message.into() }
     }
 }

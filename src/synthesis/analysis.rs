@@ -52,7 +52,7 @@ pub struct Analysis {
 }
 
 /// Third-order finite differences of the eight cells around (Horn 1981); over the border the ground goes on as it came.
-fn gradients(grid: &SampleGrid) -> Vec<[f32; 2]> {
+pub(super) fn gradients(grid: &SampleGrid) -> Vec<[f32; 2]> {
     let (columns, rows) = (grid.columns, grid.rows);
     let on = |i: usize| f64::from(grid.heights[i]);
     // A row with a cell more at either end; a grid of one column or row is flat across.
@@ -82,7 +82,7 @@ fn gradients(grid: &SampleGrid) -> Vec<[f32; 2]> {
 }
 
 /// Degrees of a gradient.
-fn degrees([east, north]: [f32; 2]) -> f32 {
+pub(super) fn degrees([east, north]: [f32; 2]) -> f32 {
     let (east, north) = (f64::from(east), f64::from(north));
     libm::atan((east * east + north * north).sqrt()).to_degrees() as f32
 }

@@ -3,7 +3,7 @@
 //! T. Lindeberg, "Edge detection and ridge detection with automatic scale selection" (1998): the gradient of the ground blurred by a Gaussian of variance t is greatest along its own direction, and t^(1/2) times
 //! its square is greatest over t. Points of that kind which touch in place and scale are one edge.
 
-use super::gaussian::blur;
+use super::gaussian::{blur, kernel};
 use core::ops::Range;
 use serde::Serialize;
 
@@ -143,7 +143,22 @@ pub(super) fn detect(heights: &[f32], columns: usize, rows: usize, spacing: f64)
     }
     // Small numbers are blurred with small errors.
     let (low, high) = heights.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), height| (low.min(*height), high.max(*height)));
-    let middle = f32::midpoint(low, high);
+    detect_part(heights, columns, rows, spacing, f32::midpoint(low, high), [0, 0])
+}
+
+/// Cells that a point of an edge depends on, to each side.
+pub(super) fn reach() -> usize {
+    let radius = |i: usize| kernel((SIGMAS[i] * SIGMAS[i] - if i == 0 { 0.0 } else { SIGMAS[i - 1] * SIGMAS[i - 1] }).sqrt()).len() - 1;
+    // A cell for the gradient and one for its neighbours'.
+    (0..SIGMAS.len()).map(radius).sum::<usize>() + 2
+}
+
+/// Finds points in a part of a grid whose north-western cell is `first` of the whole. Further than [`reach`] from sides that are not the whole's, they are those of the whole to the bit if heights
+/// are counted from the same `middle`.
+pub(super) fn detect_part(heights: &[f32], columns: usize, rows: usize, spacing: f64, middle: f32, first: [usize; 2]) -> Vec<EdgePoint> {
+    if columns < 3 || rows < 3 {
+        return Vec::new();
+    }
     let mut blurred: Vec<f32> = heights.iter().map(|height| height - middle).collect();
     let mut before = 0.0;
     let scales = SIGMAS.map(|sigma| {
@@ -155,15 +170,14 @@ pub(super) fn detect(heights: &[f32], columns: usize, rows: usize, spacing: f64)
     let mut points = Vec::new();
     for row in 1..rows - 1 {
         for column in 1..columns - 1 {
-            points.extend(SCALES.filter_map(|step| point(&scales, step, column, row, columns, spacing)));
+            points.extend(SCALES.filter_map(|step| point(&scales, step, row * columns + column, columns, spacing, [first[0] + column, first[1] + row])));
         }
     }
     points
 }
 
 /// The point at a cell and scale, if there is one.
-fn point(scales: &[Scale; SIGMAS.len()], step: usize, column: usize, row: usize, columns: usize, spacing: f64) -> Option<EdgePoint> {
-    let cell = row * columns + column;
+fn point(scales: &[Scale; SIGMAS.len()], step: usize, cell: usize, columns: usize, spacing: f64, [column, row]: [usize; 2]) -> Option<EdgePoint> {
     let [finer, own, coarser] = [step - 1, step, step + 1].map(|step| scales[step].strength(cell));
     if own <= finer || own <= coarser {
         return None;

@@ -33,7 +33,27 @@ impl Statistics {
                 [second + square, third + square * x, fourth + square * square]
             })
             .map(|sum| sum / n);
-        let mut statistics = Self { count, mean: first + mean, ..Self::default() };
+        Self::of_moments(count, first + mean, [m2, m3, m4])
+    }
+
+    /// Of the sums of the first four powers of values' differences from some number near them.
+    #[must_use]
+    pub fn of_sums(count: usize, from: f64, sums: [f64; 4]) -> Self {
+        if count == 0 {
+            return Self::default();
+        }
+        let [d, s2, s3, s4] = sums.map(|sum| sum / count as f64);
+        let m2 = s2 - d * d;
+        // What rounding leaves of equal values.
+        let m2 = if m2 > 1e-12 * s2 { m2 } else { 0.0 };
+        let (m3, m4) = (s3 - 3.0 * d * s2 + 2.0 * d * d * d, s4 - 4.0 * d * s3 + 6.0 * d * d * s2 - 3.0 * d * d * d * d);
+        Self::of_moments(count, from + d, [m2, m3, m4])
+    }
+
+    /// Of a mean and the moments about it.
+    fn of_moments(count: usize, mean: f64, [m2, m3, m4]: [f64; 3]) -> Self {
+        let n = count as f64;
+        let mut statistics = Self { count, mean, ..Self::default() };
         if count < 2 || m2 == 0.0 {
             return statistics;
         }

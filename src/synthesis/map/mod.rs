@@ -2,6 +2,7 @@
 
 mod bends;
 mod envelope;
+mod geojson;
 mod refine;
 #[cfg(test)]
 mod tests;

@@ -192,3 +192,17 @@ fn wrong_maps_are_refused_with_the_place() {
     refused(vec![square("a", [0.0, 0.0], 100.0), square("b", [101.5, 0.0], 100.0)], "/regions/0", "narrow gap to region 1 at [100.0, 50.0]");
     refused(vec![square("a", [0.0, 0.0], f64::NAN)], "/regions/0", "no place");
 }
+
+#[test]
+fn a_map_is_read_from_its_own_form_and_from_geojson() {
+    let own = br#"{"regions": [{"type": "a", "rings": [[[0, 0], [9, 0], [9, 9]]]}, {"type": "b", "rings": [[[9, 0], [20, 0], [9, 9]]]}], "snap": 0.5}"#;
+    let collection = br#"{"type": "FeatureCollection", "snap": 0.5, "features": [
+        {"type": "Feature", "properties": {"type": "a", "name": "left"}, "geometry": {"type": "Polygon", "coordinates": [[[0, 0], [9, 0], [9, 9]]]}},
+        {"type": "Feature", "properties": {"type": "b"}, "geometry": {"type": "MultiPolygon", "coordinates": [[[[9, 0], [20, 0], [9, 9]]]]}}]}"#;
+    let map = Map::parse(own).unwrap_or_else(|problem| panic!("{problem:?}"));
+    assert_eq!(Map::parse(collection), Ok(map));
+    let problem = |json: &str| Map::parse(json.as_bytes()).expect_err("wrong").pointer;
+    assert_eq!(problem(r#"{"regions": [{"type": "a", "rings": [[[0, "x"]]]}]}"#), "/regions/0/rings/0/0/1");
+    assert_eq!(problem(r#"{"type": "Feature", "features": []}"#), "/type");
+    assert_eq!(problem(r#"{"type": "FeatureCollection", "features": [{"geometry": {"type": "Polygon", "coordinates": []}}]}"#), "/features/0/properties/type");
+}
