@@ -12,7 +12,7 @@ use crate::{
     genetic::{Criterion, Draws, Problem, Term, Weighted},
     geometry::{Axis, Filter, Stop, Surface, Window},
     noise,
-    programme::{Frame, Tape},
+    programme::{Frame, MAX_METRES, Tape},
 };
 use serde::{Deserialize, Serialize};
 
@@ -65,7 +65,7 @@ impl Default for Aim {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Judgement {
-    /// The score of everything that is wanted, in order; empty for a programme that is flat, or not finite somewhere.
+    /// The score of everything that is wanted, in order; empty for a programme that is flat or almost so, or not finite somewhere.
     pub scores: Vec<f64>,
     /// Their weighted mean.
     pub score: f64,
@@ -137,7 +137,7 @@ impl Aim {
     }
 
     /// The terrain of a programme over the square with an apron of one sample, and amplitude and datum that give it its relief; `None` if it is flat, or not finite
-    /// somewhere, or was stopped.
+    /// somewhere, or no world could show it as high, or was stopped.
     #[must_use]
     pub fn surface(&self, tape: &Tape, stop: &Stop) -> Option<(Surface, [f64; 2])> {
         let window = self.window(self.samples).with_apron(1);
@@ -153,7 +153,7 @@ impl Aim {
         for elevation in &mut surface.elevation {
             *elevation = (datum + amplitude * f64::from(*elevation)) as f32;
         }
-        (amplitude.is_finite() && datum.is_finite()).then_some((surface, [amplitude, datum]))
+        (amplitude <= MAX_METRES && datum.abs() <= MAX_METRES).then_some((surface, [amplitude, datum]))
     }
 
     /// How near a programme comes to what is wanted.

@@ -57,6 +57,9 @@ pub const MAX_NODES: usize = 4_096;
 /// Most nodes on a way from the root to a leaf.
 pub const MAX_DEPTH: usize = 256;
 
+/// Greatest amplitude and datum of a programme's terrain, in metres.
+pub const MAX_METRES: f64 = 1_000_000.0;
+
 /// How programme coordinates lie in the plane: `u = (x - origin[0]) / scale`, `v = (y - origin[1]) / scale`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {

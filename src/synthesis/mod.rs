@@ -35,7 +35,9 @@ mod windows;
 
 pub use analysis::{Analysis, Measure, Profile};
 pub use edges::{Edge, EdgePoint, Linking, link};
-pub use field::{FieldCheckpoint, FieldGeneration, FieldLevel, FieldOptions, FieldProgress, FieldStep, Frame, Gene, MAX_FIELD_CELLS, RegionRaster, Synthesis, Turn};
+pub use field::{
+    FieldCheckpoint, FieldGeneration, FieldLevel, FieldOptions, FieldProgress, FieldStep, Frame, Gene, MAX_FIELD_CELLS, RegionRaster, Synthesis, Turn,
+};
 pub use grid::{Crop, ELEVATIONS, MAX_CELLS, MIN_SIDE, SPACINGS, SampleGrid};
 pub use level::{GENE_SIDE, LEAST_GENE_SIDE, Level, gene_side};
 pub use library::{Library, LibraryError, LibraryProblem, LibrarySample, ReadyLibrary, ReadySample, Seam, TerrainType};

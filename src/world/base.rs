@@ -5,16 +5,16 @@ use super::{
     object::Object,
     problem::{Checks, Problem},
 };
-use crate::{geometry::PLANE_LIMIT, programme::Programme};
+use crate::{
+    geometry::PLANE_LIMIT,
+    programme::{MAX_METRES, Programme},
+};
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::value::RawValue;
 use std::ops::Range;
 
 /// What both RGB encodings can hold, in metres.
 const ELEVATIONS: Range<f64> = -10_000.0..32_767.0;
-
-/// Greatest amplitude and datum, in metres.
-const MAX_METRES: f64 = 1_000_000.0;
 
 /// The vertical range that elevations are clamped to, in metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -7,7 +7,15 @@ use crate::{
 };
 use axum::http::{Method, StatusCode};
 use serde_json::{Value, json};
-use std::{path::Path, process::Command, time::Duration};
+use std::{
+    path::Path,
+    process::Command,
+    sync::{
+        Arc,
+        atomic::{AtomicUsize, Ordering},
+    },
+    time::Duration,
+};
 use terrane::{
     evolve::{Aim, Choice, Genome, Judgement, Search, Session},
     genetic::{Evolution, State},
@@ -274,9 +282,14 @@ fn a_killed_server_breeds_what_was_chosen() {
             let expected: Vec<_> = session.generations()[chosen.len()].iter().map(|bred| bred.genome.to_string()).collect();
             assert_eq!(programmes, expected, "after {round} kills");
         }
-        let (killed, delay) = (server.child.id().to_string(), Duration::from_millis(150 + round * 67 % 160));
+        // After some choices, at another point of the next one each time.
+        let (killed, made) = (server.child.id().to_string(), Arc::new(AtomicUsize::new(0)));
+        let counted = Arc::clone(&made);
         let killing = std::thread::spawn(move || {
-            std::thread::sleep(delay);
+            while counted.load(Ordering::Relaxed) < 3 {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            std::thread::sleep(Duration::from_millis(round * 7));
             Command::new("kill").args(["-9", &killed]).status().unwrap()
         });
         loop {
@@ -285,7 +298,10 @@ fn a_killed_server_breeds_what_was_chosen() {
             let next: Vec<[usize; 2]> = next.into_iter().map(|[a, b]| [a, b % 12]).collect();
             pending = Some(next.clone());
             match server.request("PUT", "/breeding/storm", &record(&next).to_string()) {
-                Ok((200 | 201, _)) => chosen = next,
+                Ok((200 | 201, _)) => {
+                    chosen = next;
+                    made.fetch_add(1, Ordering::Relaxed);
+                }
                 Ok((status, body)) => panic!("{status}: {}", String::from_utf8_lossy(&body)),
                 Err(_) => break,
             }
@@ -293,7 +309,7 @@ fn a_killed_server_breeds_what_was_chosen() {
         assert!(killing.join().unwrap().success());
         drop(server);
     }
-    assert!(chosen.len() > 4, "{} choices", chosen.len());
+    assert!(chosen.len() >= 12, "{} choices", chosen.len());
 }
 
 #[test]

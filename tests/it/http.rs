@@ -22,6 +22,7 @@ async fn a_new_server_has_the_example_worlds_with_their_tilesets() {
             "dunes",
             "eq2",
             "hills",
+            "living",
             "mesas",
             "ranges",
             "ridges-and-rivers",
@@ -379,7 +380,7 @@ async fn gis_programs_find_every_world_in_the_capabilities() {
             _ => {}
         }
     }
-    assert_eq!((templates.len(), denominators.len()), (12 * 5, 25));
+    assert_eq!((templates.len(), denominators.len()), (13 * 5, 25));
     // The first scale of the well-known set that it names.
     assert!((denominators[0] - 559_082_264.028_717_8).abs() < 1e-6);
     assert!(xml.contains("<ows:Title>Peaks &amp; &lt;pits&gt;: relief</ows:Title><ows:Abstract>a &quot;new&quot; one</ows:Abstract>"), "{titles:?}");

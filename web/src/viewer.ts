@@ -9,7 +9,6 @@ import { formatLink, parseLink, type Link, type Overlay } from './link.ts';
 import { TerrainMap, type View } from './map.ts';
 import { toMetres } from './mercator.ts';
 import { Notice } from './notice.ts';
-import { toMetres } from './mercator.ts';
 import { OverlayControl } from './overlay-control.ts';
 import { PlayControl } from './play-control.ts';
 import { Readout } from './readout.ts';

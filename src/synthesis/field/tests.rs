@@ -291,7 +291,7 @@ fn coarse_features_stay() {
     let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
     let [low, high] = coarse.heights.iter().fold([f32::MAX, f32::MIN], |[low, high], height| [low.min(*height), high.max(*height)]);
     assert!(rms < 0.1 * f64::from(high - low), "{rms} m of {}", high - low);
-    assert!(fine.similarity > 0.8 && fine.compatibility > 0.7, "{} {}", fine.similarity, fine.compatibility);
+    assert!(fine.compatibility > 0.7, "{}", fine.compatibility);
 }
 
 #[test]

@@ -25,7 +25,7 @@ const kept = (): Kept => JSON.parse(localStorage.getItem(PLACE) ?? '{}') as Kept
 
 /** Programmes bred towards what is wanted, by a job of the server: what is asked for, how it goes, and what is done with what it finds. */
 export class Evolve {
-  readonly #dialog = element('dialog', { className: 'studio evolve' });
+  readonly #dialog = element('dialog', { className: 'studio evolve', tabIndex: -1 });
   readonly #select = element('select', { id: 'evolve-job' });
   readonly #form: WishForm;
   readonly #live = element('div', { className: 'evolve-live', hidden: true });
@@ -135,7 +135,15 @@ export class Evolve {
       this.#busy = false;
       this.#dialog.removeAttribute('aria-busy');
       this.#draw();
+      this.#holdFocus();
     }
+  }
+
+  /** Keys are heard where the focus is: when what had it is gone, the page has it. */
+  #holdFocus(): void {
+    const active = document.activeElement;
+    const isLost = !active || active === document.body || (this.#dialog.contains(active) && active.getClientRects().length === 0);
+    if (isLost && this.#dialog.open) this.#dialog.focus();
   }
 
   #say(text: string, isError = false): void {
@@ -218,6 +226,7 @@ export class Evolve {
     this.#bar.value = job.state === 'done' ? 1 : job.progress;
     this.#say(`The evolution ${words[job.state]}.${job.failure ? ` ${job.failure}` : ''}`, job.state === 'failed');
     this.#draw();
+    this.#holdFocus();
     await this.#showPicture();
   }
 
