@@ -169,7 +169,7 @@ impl Shared {
                     match self.store.fail(&task.id, failure).await {
                         Ok(()) => self.tell(&task, "failed"),
                         Err(error) => {
-                            tracing::error!(job = task.id, %error, "the end of a job could not be stored: it will be done again when the server starts")
+                            tracing::error!(job = task.id, %error, "the end of a job could not be stored: it will be done again when the server starts");
                         }
                     }
                 }

@@ -313,6 +313,7 @@ fn a_killed_server_breeds_what_was_chosen() {
 }
 
 #[test]
+#[expect(clippy::print_stdout, reason = "writes the figures")]
 #[ignore = "prints figures: how large checkpoints are and how long storing them takes"]
 fn checkpoints_are_small() {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();

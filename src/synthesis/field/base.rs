@@ -2,7 +2,7 @@
 
 use super::{
     chunks::Quilt,
-    pattern::Heights,
+    pattern::HeightGrid,
     raster::{RegionRaster, squared_distances},
     relax::Slopes,
     source::{TypeSources, distance, shares},
@@ -71,7 +71,7 @@ pub(super) struct Base<'a> {
 
 impl Base<'_> {
     /// The ground; `None` if it was stopped.
-    pub(super) fn ground(&self, stop: &Stop) -> Option<Heights> {
+    pub(super) fn ground(&self, stop: &Stop) -> Option<HeightGrid> {
         let (columns, rows) = (self.raster.frame.columns, self.raster.frame.rows);
         let (mut whole, mut weights) = (Slopes::new(columns, rows), vec![0.0; columns * rows]);
         let mut steps = [vec![0.0; columns * rows], vec![0.0; columns * rows]];
@@ -97,13 +97,13 @@ impl Base<'_> {
             }
         }
         let divide = |values: &mut [f64], weights: &[f64]| {
-            values.iter_mut().zip(weights).filter(|(_, weight)| **weight > 0.0).for_each(|(value, weight)| *value /= weight)
+            values.iter_mut().zip(weights).filter(|(_, weight)| **weight > 0.0).for_each(|(value, weight)| *value /= weight);
         };
         divide(&mut whole.heights, &weights);
         divide(&mut whole.east, &steps[0]);
         divide(&mut whole.south, &steps[1]);
         let heights = if parts.len() > 1 { whole.relaxed(FALLOFF) } else { whole.heights.iter().map(|height| *height as f32).collect() };
-        Some(Heights { columns, rows, heights })
+        Some(HeightGrid { columns, rows, heights })
     }
 
     /// The ground of a region: of several that chance gives, the one that is the most similar to its type.

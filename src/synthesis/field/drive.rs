@@ -5,7 +5,7 @@ use super::{
     gene::{Gene, Layout},
     ground::Ground,
     options::FieldOptions,
-    pattern::Heights,
+    pattern::HeightGrid,
     raster::{Frame, RegionRaster},
     report::{FieldCheckpoint, FieldGeneration, FieldLevel, FieldProgress, FieldStep, MAX_FIELD_CELLS},
     source::TypeSources,
@@ -202,7 +202,7 @@ impl<'a> Synthesis<'a> {
                 done(level, heights, [similarity, 1.0, similarity, similarity], 0)
             }
             Some(before) => {
-                let pattern = Heights { columns: before.columns, rows: before.rows, heights: before.heights.clone() };
+                let pattern = HeightGrid { columns: before.columns, rows: before.rows, heights: before.heights.clone() };
                 let options = self.options;
                 let ground = Ground::new(&raster, &pattern, material.gene, &kind, (&material.types, &material.blocks), &options);
                 let Some(made) = self.bred(&ground, number, stop, each) else { return false };
@@ -308,13 +308,13 @@ fn check_size(map: &Map, spacing: f64) -> Result<(), LibraryProblem> {
     Err(LibraryProblem { pointer: "/regions".to_owned(), detail })
 }
 
-fn done(level: Level, heights: Heights, [fitness, compatibility, similarity, whole_similarity]: [f64; 4], evaluations: u64) -> FieldLevel {
-    let Heights { columns, rows, heights } = heights;
+fn done(level: Level, heights: HeightGrid, [fitness, compatibility, similarity, whole_similarity]: [f64; 4], evaluations: u64) -> FieldLevel {
+    let HeightGrid { columns, rows, heights } = heights;
     FieldLevel { level, columns, rows, heights, fitness, compatibility, similarity, whole_similarity, evaluations }
 }
 
 /// How similar regions are with edges linked over all of them, weighted by area.
-fn whole_similarity(ground: &Heights, raster: &RegionRaster, kind: &dyn Fn(u32) -> usize, models: &[TypeModel]) -> f64 {
+fn whole_similarity(ground: &HeightGrid, raster: &RegionRaster, kind: &dyn Fn(u32) -> usize, models: &[TypeModel]) -> f64 {
     let grid = SampleGrid { columns: ground.columns, rows: ground.rows, spacing: [raster.frame.spacing; 2], heights: ground.heights.clone() };
     let analysis = Analysis::new(grid, None);
     let (mut sum, mut cells) = (0.0, 0);

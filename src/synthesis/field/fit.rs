@@ -76,7 +76,9 @@ impl Target {
 /// Heights less their mean.
 fn levelled(mut heights: Vec<f32>) -> Vec<f32> {
     let mean = heights.iter().sum::<f32>() / heights.len().max(1) as f32;
-    heights.iter_mut().for_each(|height| *height -= mean);
+    for height in &mut heights {
+        *height -= mean;
+    }
     heights
 }
 

@@ -1,7 +1,7 @@
 //! Genes: pieces of samples on a grid, and the ground that they blend to (Saunders 2006, IV.3.2.1).
 
 use super::{
-    pattern::{Heights, cubic},
+    pattern::{HeightGrid, cubic},
     source::{Source, TypeSources},
 };
 use crate::synthesis::grid::SampleGrid;
@@ -241,7 +241,7 @@ pub(super) struct Stock<'a> {
 
 impl Layout {
     /// The ground of a rectangle: x0 + Σ wᵢ (xᵢ - x0) / Σ wᵢ with weights that are products of those of columns and rows, so that pieces of one ground give that ground to the bit.
-    pub(super) fn decode(&self, genome: &[Gene], stock: &Stock, onto: &mut Heights, [west, east]: [usize; 2], [north, south]: [usize; 2]) {
+    pub(super) fn decode(&self, genome: &[Gene], stock: &Stock, onto: &mut HeightGrid, [west, east]: [usize; 2], [north, south]: [usize; 2]) {
         if west >= east {
             return;
         }

@@ -4,7 +4,7 @@ use super::{
     fit::{Fit, Target},
     gene::{Gene, Layout, Reading, Stock},
     options::FieldOptions,
-    pattern::Heights,
+    pattern::HeightGrid,
     raster::RegionRaster,
     source::{Scales, TypeSources},
     tally::{BLOCK, Block, Blocks, NOWHERE},
@@ -47,7 +47,7 @@ pub(super) struct Ground<'a> {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Evaluation {
     /// The level before, and the details that the genes blend to.
-    pub(super) ground: Heights,
+    pub(super) ground: HeightGrid,
     blocks: Vec<Block>,
     /// Of every gene.
     pub(super) fits: Vec<Fit>,
@@ -86,7 +86,7 @@ impl<'a> Ground<'a> {
     /// Of a level that follows a `pattern`, three times as coarse. `kind` gives a region's type.
     pub(super) fn new(
         raster: &RegionRaster,
-        pattern: &Heights,
+        pattern: &HeightGrid,
         gene: usize,
         kind: &dyn Fn(u32) -> usize,
         (types, models): (&'a [TypeSources], &'a [TypeModel]),
@@ -162,7 +162,7 @@ impl<'a> Ground<'a> {
     /// What is not yet known of any genome.
     fn empty(&self) -> Evaluation {
         let [columns, rows] = self.layout.cells;
-        let flat = Heights { columns, rows, heights: vec![0.0; columns * rows] };
+        let flat = HeightGrid { columns, rows, heights: vec![0.0; columns * rows] };
         let blocks = self.blocks().count;
         Evaluation {
             ground: flat,
@@ -248,7 +248,9 @@ impl Problem for Ground<'_> {
             None => (self.empty(), vec![true; genome.len()]),
             Some((parent, change)) => {
                 let mut changed = vec![false; genome.len()];
-                change.iter().for_each(|gene| changed[*gene] = true);
+                for gene in change {
+                    changed[*gene] = true;
+                }
                 (parent.clone(), changed)
             }
         };

@@ -70,7 +70,9 @@ impl Ground<'_> {
                 best = (piece, misfit);
             }
         };
-        beside.iter().for_each(|piece| look(*piece, GOES_ON));
+        for piece in beside {
+            look(*piece, GOES_ON);
+        }
         for _ in 0..looks {
             look(kind.draw(&self.layout, draws), 1.0);
         }

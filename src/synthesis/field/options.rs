@@ -20,7 +20,7 @@ pub struct FieldOptions {
     pub crossover: f64,
     /// The most genes of that rectangle a side, as a share of all, 0 … 1.
     pub crossover_width: f64,
-    /// How probably a gene changes that fits badly in a region that is not similar (P_m), 0 … 1.
+    /// How probably a gene changes that fits badly in a region that is not similar (`P_m`), 0 … 1.
     pub mutation: f64,
     /// Places of samples that are looked at for a gene, 1 … 10,000.
     pub looks: usize,

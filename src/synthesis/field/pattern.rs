@@ -7,7 +7,7 @@ pub(super) const STEP: usize = 3;
 
 /// Heights row by row.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Heights {
+pub(super) struct HeightGrid {
     pub(super) columns: usize,
     pub(super) rows: usize,
     pub(super) heights: Vec<f32>,
@@ -30,7 +30,7 @@ fn among(fine: usize, cells: usize) -> ([usize; 4], [f32; 4]) {
     (core::array::from_fn(|i| (first + i as isize).clamp(0, cells as isize - 1) as usize), cubic(t))
 }
 
-impl Heights {
+impl HeightGrid {
     /// Cells three times as near, columns × rows of them from the north-western corner.
     pub(super) fn finer(&self, columns: usize, rows: usize) -> Self {
         let mut heights = Vec::with_capacity(columns * rows);

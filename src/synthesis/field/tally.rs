@@ -1,6 +1,6 @@
 //! Statistics of ground block by block, so that a change costs its blocks: all sums go over a block's cells in order, then over the blocks in order, however they came to be known.
 
-use super::pattern::Heights;
+use super::pattern::HeightGrid;
 use crate::synthesis::{
     analysis::{Profile, degrees, gradients},
     edges::{self, EdgePoint, Linking, link},
@@ -69,7 +69,7 @@ pub(super) struct Blocks<'a> {
 pub(super) const NOWHERE: u16 = u16::MAX;
 
 /// A part of a ground, and where it lies.
-fn cropped(ground: &Heights, from: [usize; 2], to: [usize; 2], spacing: f64) -> SampleGrid {
+fn cropped(ground: &HeightGrid, from: [usize; 2], to: [usize; 2], spacing: f64) -> SampleGrid {
     let [columns, rows] = [to[0] - from[0], to[1] - from[1]];
     let heights = (from[1]..to[1]).flat_map(|row| &ground.heights[row * ground.columns + from[0]..][..columns]).copied().collect();
     SampleGrid { columns, rows, spacing: [spacing; 2], heights }
@@ -77,7 +77,7 @@ fn cropped(ground: &Heights, from: [usize; 2], to: [usize; 2], spacing: f64) -> 
 
 impl Blocks<'_> {
     /// Looks at the blocks that are `dirty`.
-    pub(super) fn update(&self, ground: &Heights, dirty: &[bool], blocks: &mut [Block]) {
+    pub(super) fn update(&self, ground: &HeightGrid, dirty: &[bool], blocks: &mut [Block]) {
         let mut done = vec![false; dirty.len()];
         let open = |done: &[bool], x: usize, y: usize| dirty[y * self.count[0] + x] && !done[y * self.count[0] + x];
         for y in 0..self.count[1] {
@@ -99,7 +99,7 @@ impl Blocks<'_> {
     }
 
     /// Looks at a rectangle of blocks.
-    fn look(&self, first: [usize; 2], end: [usize; 2], ground: &Heights, blocks: &mut [Block]) {
+    fn look(&self, first: [usize; 2], end: [usize; 2], ground: &HeightGrid, blocks: &mut [Block]) {
         let size = [ground.columns, ground.rows];
         let from = first.map(|block| block * self.side);
         let to = [0, 1].map(|axis: usize| (end[axis] * self.side).min(size[axis]));
@@ -131,7 +131,7 @@ impl Blocks<'_> {
     }
 
     /// Elevations and slopes of a block.
-    fn cells(&self, [column, row]: [usize; 2], ground: &Heights, slope: impl Fn(usize, usize) -> f64, block: &mut Block) {
+    fn cells(&self, [column, row]: [usize; 2], ground: &HeightGrid, slope: impl Fn(usize, usize) -> f64, block: &mut Block) {
         for y in row * self.side..((row + 1) * self.side).min(ground.rows) {
             for x in column * self.side..((column + 1) * self.side).min(ground.columns) {
                 let region = self.regions[y * ground.columns + x];

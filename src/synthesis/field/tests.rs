@@ -3,7 +3,7 @@
 use super::{
     gene::{Layout, Reading, Stock},
     ground::Ground,
-    pattern::Heights,
+    pattern::HeightGrid,
     raster::squared_distances,
     relax::Slopes,
     source::{TypeSources, distance, shares},
@@ -64,7 +64,7 @@ fn decoding_an_encoded_sample_returns_it_to_the_last_bit() {
         let genome: Vec<Gene> = (0..layout.count()).map(place).map(|[column, row]| Gene { column, row, ..Gene::default() }).collect();
         let kinds = vec![0; genome.len()];
         let stock = Stock { types: &types, kinds: &kinds, reading: Reading::Whole };
-        let mut decoded = Heights { columns: 67, rows: 45, heights: vec![0.0; 67 * 45] };
+        let mut decoded = HeightGrid { columns: 67, rows: 45, heights: vec![0.0; 67 * 45] };
         layout.decode(&genome, &stock, &mut decoded, [0, 67], [0, 45]);
         assert_eq!(decoded.heights, grid.heights, "genes of {gene}");
     }
@@ -92,7 +92,7 @@ fn with_ground(check: impl Fn(&Ground)) {
     let types: Vec<TypeSources> = analyses.iter().map(|samples| TypeSources::new(samples, &layout)).collect();
     let models = Model::new(&analyses.iter().map(|samples| samples.iter().collect()).collect::<Vec<_>>()).types;
     let (columns, rows) = (coarse.frame.columns, coarse.frame.rows);
-    let pattern = Heights { columns, rows, heights: hills(columns, rows, 270.0, 3.0, 9).heights };
+    let pattern = HeightGrid { columns, rows, heights: hills(columns, rows, 270.0, 3.0, 9).heights };
     check(&Ground::new(&raster, &pattern, 16, &|region| region as usize, (&types, &models), &options));
 }
 

@@ -1,4 +1,4 @@
-//! Maps as JSON: the project's own form, or GeoJSON polygons with a type each.
+//! Maps as JSON: the project's own form, or `GeoJSON` polygons with a type each.
 
 use super::{Map, MapProblem, MapRegion, usual_snap};
 use serde::{Deserialize, de::IgnoredAny};
@@ -56,7 +56,7 @@ fn read<T: for<'de> Deserialize<'de>>(json: &[u8]) -> Result<T, MapProblem> {
 }
 
 impl Map {
-    /// Reads a map: its own form, or a GeoJSON collection of polygons and multi-polygons in metres whose property `type` names a type of terrain.
+    /// Reads a map: its own form, or a `GeoJSON` collection of polygons and multi-polygons in metres whose property `type` names a type of terrain.
     ///
     /// ```
     /// use terrane::synthesis::Map;

@@ -77,7 +77,8 @@ fn what_is_left_out_is_completed_and_has_the_same_name() {
 
 #[test]
 fn what_is_wrong_is_told_with_its_place() {
-    let cases: [(&dyn Fn(&mut Value), &str); 12] = [
+    type Change<'a> = &'a dyn Fn(&mut Value);
+    let cases: [(Change, &str); 12] = [
         (&|search| search["aim"]["wanted"] = json!([]), "/evolution/aim/wanted: "),
         (&|search| search["aim"]["wanted"][0]["criterion"]["accessibility"]["share"] = json!(2), "/evolution/aim/wanted/0/criterion/accessibility/share: "),
         (&|search| search["aim"]["samples"] = json!("many"), "/evolution/aim/samples: "),
