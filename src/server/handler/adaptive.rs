@@ -220,7 +220,7 @@ pub(crate) async fn put_player(State(app): State<App>, PlayerAt { world, player 
     Ok(([(header::CACHE_CONTROL, "no-store")], Json(PromiseSchema { promise })).into_response())
 }
 
-/// A player leaves: nothing is promised to whoever is not there.
+/// A player leaves, or has left already: nothing is promised to whoever is not there.
 #[utoipa::path(delete, path = "/worlds/{world}/players/{player}", tag = "adaptive", params(
     ("world" = inline(Name), Path, description = "A name"),
     ("player" = inline(Name), Path, description = "The player's name"),
@@ -228,9 +228,12 @@ pub(crate) async fn put_player(State(app): State<App>, PlayerAt { world, player 
     (status = 204, description = "It is gone"),
     (status = 400, description = "No valid name", body = ProblemDetails, content_type = "application/problem+json"),
     (status = 403, description = "The request comes from another machine, or from a web page of another site", body = ProblemDetails, content_type = "application/problem+json"),
-    (status = 404, description = "No such player", body = ProblemDetails, content_type = "application/problem+json"),
+    (status = 404, description = "No such world", body = ProblemDetails, content_type = "application/problem+json"),
 ))]
 pub(crate) async fn delete_player(State(app): State<App>, PlayerAt { world, player }: PlayerAt) -> Result<StatusCode, ApiError> {
-    let mut room = app.0.players.hold(&world).await;
-    if room.leave(&player) { Ok(StatusCode::NO_CONTENT) } else { Err(ApiError::absent("player", format!("no player of {world:?} is named {player:?}"))) }
+    if Live::shelf(&app).get(&world).is_none() {
+        return Err(ApiError::absent("world", format!("no world is named {world:?}")));
+    }
+    app.0.players.hold(&world).await.leave(&player);
+    Ok(StatusCode::NO_CONTENT)
 }
