@@ -28,7 +28,7 @@ export async function startBrowser(url, more = [], friends = []) {
       if (!tolerated.some((part) => text.includes(part))) faults.push(text);
     };
     page.on('console', (message) => {
-      if (['error', 'warning'].includes(message.type())) note(`console: ${message.text()}`);
+      if (['error', 'warning'].includes(message.type())) note(`console: ${message.text()} ${message.location().url ?? ''}`.trim());
     });
     page.on('pageerror', (error) => note(`page error: ${error.stack}`));
     page.on('requestfailed', (request) => {

@@ -201,7 +201,8 @@ test('what others do is seen at once, on the map and in the game', async () => {
 });
 
 test('an event comes soon after the answer', async (t) => {
-  const page = await browser.open('healthz', CALM);
+  // A page of JSON names no picture for its tab, so that the browser asks for one of the common name.
+  const page = await browser.open('healthz', CALM, ['/favicon.ico']);
   const times = await page.evaluate(async () => {
     const events = new EventSource('events?world=living');
     const heard = new Map();
